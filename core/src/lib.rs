@@ -1,0 +1,2 @@
+//! A fixed-function ray caster for small machines.
+#![no_std]

@@ -1,0 +1,2 @@
+//! The `whitted` program.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Oracles, lab and benchmarks of whitted.
