@@ -1,0 +1,19 @@
+//! Finds out whether the target has a square root instruction that stable Rust does not announce.
+//!
+//! The RISC-V `f` feature is not in `cfg(target_feature)` on stable; the target's name spells it out.
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rustc-check-cfg=cfg(riscv_f)");
+    let target = std::env::var("TARGET").unwrap_or_default();
+    let architecture = target.split('-').next().unwrap_or_default();
+    let extensions = architecture
+        .strip_prefix("riscv32")
+        .or_else(|| architecture.strip_prefix("riscv64"))
+        .unwrap_or_default();
+    // Single letters up to the first multi-letter extension; `g` stands for `imafd`.
+    let letters = extensions.split('_').next().unwrap_or_default();
+    if letters.contains(['f', 'g']) {
+        println!("cargo::rustc-cfg=riscv_f");
+    }
+}

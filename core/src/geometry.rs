@@ -1,0 +1,397 @@
+//! Sets of objects, and the queries on them.
+//!
+//! A slice of one kind of object is a geometry, a pair of geometries is one, and so is a reference to
+//! one. That is all a scene is made of; what its type does not name is not compiled.
+
+use crate::material::{Finish, Transmission};
+use crate::math::{Exact, Math, Transmittance};
+use crate::ray::{Hit, Ray};
+use crate::shape::Shape;
+use glam::Vec3;
+
+/// A shape and what it is made of.
+#[derive(Debug, PartialEq)]
+pub struct Object<'a, S, M = crate::material::Material> {
+    /// The surface.
+    pub shape: S,
+    /// Its material; objects share it.
+    pub material: &'a M,
+}
+
+impl<S: Clone, M> Clone for Object<'_, S, M> {
+    fn clone(&self) -> Self {
+        Self {
+            shape: self.shape.clone(),
+            material: self.material,
+        }
+    }
+}
+
+impl<S: Copy, M> Copy for Object<'_, S, M> {}
+
+/// Objects of one kind, in flash: a leaf of a static scene.
+pub type Objects<S, M = crate::material::Material> = &'static [Object<'static, S, M>];
+
+/// Something that rays can be cast into.
+///
+/// [`closest_hit`](Self::closest_hit), [`occluded`](Self::occluded) and
+/// [`transmittance`](Self::transmittance) are the queries; the methods before them are what a new
+/// kind of geometry, say a hierarchy, implements. `first` is the place in the whole geometry at which
+/// this part of it starts; objects are counted from there.
+pub trait Geometry {
+    /// What all its objects are made of.
+    type Material;
+
+    /// How many objects there are.
+    fn len(&self) -> usize;
+
+    /// Whether there are none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Finds the nearest point that the ray admits, makes its distance the ray's `t_max`, and tells
+    /// which object it is. Of equally near ones the first, so a later one must be strictly nearer.
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize>;
+
+    /// Unit normal of the outward side where [`nearest`](Self::nearest) found `object` at `t`, and the
+    /// object's material; `None` where there is no such object.
+    fn surface<P: Math>(
+        &self,
+        ray: &Ray,
+        t: f32,
+        object: usize,
+        first: usize,
+    ) -> Option<(Vec3, &Self::Material)>;
+
+    /// Whether the ray admits any point of any object.
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool;
+
+    /// Multiplies `light` by the transmittance of each surface at each point that the ray admits;
+    /// true as soon as one is opaque.
+    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    where
+        Self::Material: Finish;
+
+    /// The nearest hit in the ray's open interval, by the [`Exact`] policy.
+    ///
+    /// ```
+    /// use whitted::{Geometry, Object, Ray, Sphere, Vec3};
+    ///
+    /// let balls = [Object { shape: Sphere { center: Vec3::ZERO, radius: 1.0 }, material: &() }];
+    /// let hit = balls.as_slice().closest_hit(&Ray::new(Vec3::Z * 3.0, Vec3::NEG_Z)).unwrap();
+    /// assert_eq!((hit.t, hit.normal, hit.front), (2.0, Vec3::Z, true));
+    /// ```
+    #[inline]
+    fn closest_hit(&self, ray: &Ray) -> Option<Hit<'_, Self::Material>> {
+        self.closest_hit_by::<Exact>(ray)
+    }
+
+    /// [`closest_hit`](Self::closest_hit) by a policy of choice.
+    #[inline]
+    fn closest_hit_by<P: Math>(&self, ray: &Ray) -> Option<Hit<'_, Self::Material>> {
+        let mut nearest = *ray;
+        let object = self.nearest::<P>(&mut nearest, 0)?;
+        let t = nearest.t_max;
+        let (outward, material) = self.surface::<P>(ray, t, object, 0)?;
+        let front = outward.dot(ray.direction) <= 0.0;
+        Some(Hit {
+            t,
+            point: ray.at(t),
+            normal: if front { outward } else { -outward },
+            front,
+            object,
+            material,
+        })
+    }
+
+    /// Whether anything, transparent or not, lies in the ray's open interval.
+    #[inline]
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.blocks::<Exact>(ray, 0)
+    }
+
+    /// Share of light that passes along the ray, from 0 to 1: the product of the transmittance of all
+    /// surfaces in its open interval, each as often as it is crossed. Its bits do not depend on the
+    /// order of the objects.
+    #[inline]
+    fn transmittance(&self, ray: &Ray) -> f32
+    where
+        Self::Material: Finish,
+    {
+        self.transmittance_by::<Exact>(ray)
+    }
+
+    /// [`transmittance`](Self::transmittance) by a policy of choice.
+    #[inline]
+    fn transmittance_by<P: Math>(&self, ray: &Ray) -> f32
+    where
+        Self::Material: Finish,
+    {
+        let mut light = Transmittance::default();
+        if self.absorbs::<P>(ray, 0, &mut light) {
+            0.0
+        } else {
+            light.product()
+        }
+    }
+}
+
+impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
+    type Material = M;
+
+    #[inline(always)]
+    fn len(&self) -> usize {
+        <[Object<'_, S, M>]>::len(self)
+    }
+
+    #[inline]
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
+        let setup = S::setup(ray);
+        let mut nearest = None;
+        for (index, object) in self.iter().enumerate() {
+            let index = first + index;
+            if let Some(t) = object.shape.intersect::<P>(ray, &setup, ray.leaves(index)) {
+                ray.t_max = t;
+                nearest = Some(index);
+            }
+        }
+        nearest
+    }
+
+    #[inline]
+    fn surface<P: Math>(
+        &self,
+        ray: &Ray,
+        t: f32,
+        object: usize,
+        first: usize,
+    ) -> Option<(Vec3, &M)> {
+        let object = self.get(object.wrapping_sub(first))?;
+        Some((object.shape.normal::<P>(ray, t), object.material))
+    }
+
+    #[inline]
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
+        let setup = S::setup(ray);
+        self.iter().enumerate().any(|(index, object)| {
+            let leaving = ray.leaves(first + index);
+            object.shape.intersect::<P>(ray, &setup, leaving).is_some()
+        })
+    }
+
+    #[inline]
+    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    where
+        M: Finish,
+    {
+        let setup = S::setup(ray);
+        self.iter().enumerate().any(|(index, object)| {
+            let leaving = ray.leaves(first + index);
+            let times = object.shape.crossings::<P>(ray, &setup, leaving);
+            let factor = object.material.transmission().transmittance();
+            if times > 0 && factor > 0.0 {
+                light.cross(factor, times);
+            }
+            // Also true for NaN.
+            times > 0 && !(factor > 0.0)
+        })
+    }
+}
+
+impl<A: Geometry, B: Geometry<Material = A::Material>> Geometry for (A, B) {
+    type Material = A::Material;
+
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.0.len() + self.1.len()
+    }
+
+    #[inline(always)]
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
+        let left = self.0.nearest::<P>(ray, first);
+        let right = self.1.nearest::<P>(ray, first + self.0.len());
+        right.or(left)
+    }
+
+    #[inline(always)]
+    fn surface<P: Math>(
+        &self,
+        ray: &Ray,
+        t: f32,
+        object: usize,
+        first: usize,
+    ) -> Option<(Vec3, &A::Material)> {
+        let right = first + self.0.len();
+        if object < right {
+            self.0.surface::<P>(ray, t, object, first)
+        } else {
+            self.1.surface::<P>(ray, t, object, right)
+        }
+    }
+
+    #[inline(always)]
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
+        self.0.blocks::<P>(ray, first) || self.1.blocks::<P>(ray, first + self.0.len())
+    }
+
+    #[inline(always)]
+    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    where
+        A::Material: Finish,
+    {
+        self.0.absorbs::<P>(ray, first, light)
+            || self.1.absorbs::<P>(ray, first + self.0.len(), light)
+    }
+}
+
+impl<G: Geometry + ?Sized> Geometry for &G {
+    type Material = G::Material;
+
+    #[inline(always)]
+    fn len(&self) -> usize {
+        (**self).len()
+    }
+
+    #[inline(always)]
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
+        (**self).nearest::<P>(ray, first)
+    }
+
+    #[inline(always)]
+    fn surface<P: Math>(
+        &self,
+        ray: &Ray,
+        t: f32,
+        object: usize,
+        first: usize,
+    ) -> Option<(Vec3, &G::Material)> {
+        (**self).surface::<P>(ray, t, object, first)
+    }
+
+    #[inline(always)]
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
+        (**self).blocks::<P>(ray, first)
+    }
+
+    #[inline(always)]
+    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    where
+        G::Material: Finish,
+    {
+        (**self).absorbs::<P>(ray, first, light)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Glass, Material};
+    use crate::shape::plane::Plane;
+    use crate::shape::sphere::Sphere;
+    use crate::{Departure, Side};
+
+    const RED: Material = Material::matte(Vec3::X, 0.0, 1.0);
+    const BLUE: Material = Material::matte(Vec3::Z, 0.0, 1.0);
+
+    fn ball(z: f32, material: &Material) -> Object<'_, Sphere> {
+        let center = Vec3::new(0.0, 0.0, z);
+        Object {
+            shape: Sphere {
+                center,
+                radius: 1.0,
+            },
+            material,
+        }
+    }
+
+    #[test]
+    fn the_nearest_wins_and_of_equals_the_first() {
+        let balls = [ball(-9.0, &RED), ball(-5.0, &BLUE), ball(-5.0, &RED)];
+        let wall = [Object {
+            shape: Plane {
+                point: Vec3::NEG_Z * 4.0,
+                normal: Vec3::Z,
+            },
+            material: &RED,
+        }];
+        let ray = Ray::new(Vec3::ZERO, Vec3::NEG_Z);
+        let hit = balls.as_slice().closest_hit(&ray).unwrap();
+        assert_eq!((hit.t, hit.object, hit.material), (4.0, 1, &BLUE));
+        let pair = (balls.as_slice(), wall.as_slice());
+        assert_eq!(
+            pair.closest_hit(&ray).unwrap().object,
+            1,
+            "left of the pair first"
+        );
+        let pair = (wall.as_slice(), balls.as_slice());
+        let hit = pair.closest_hit(&ray).unwrap();
+        assert_eq!((hit.object, hit.material), (0, &RED));
+        assert_eq!(pair.len(), 4);
+    }
+
+    #[test]
+    fn places_count_across_pairs() {
+        let (left, right) = ([ball(-5.0, &RED)], [ball(-20.0, &RED), ball(-9.0, &BLUE)]);
+        let pair = (left.as_slice(), right.as_slice());
+        let from_first = Ray {
+            departure: Some(Departure {
+                object: 0,
+                side: Side::Outside,
+            }),
+            ..Ray::new(Vec3::new(0.0, 0.0, -6.0), Vec3::NEG_Z)
+        };
+        let hit = pair.closest_hit(&from_first).unwrap();
+        assert_eq!((hit.t, hit.object), (2.0, 2));
+        let from_last = hit.through(Vec3::NEG_Z);
+        assert_eq!(
+            pair.closest_hit(&from_last).unwrap().object,
+            2,
+            "met again from inside"
+        );
+        assert_eq!(pair.surface::<Exact>(&from_last, 1.0, 3, 0), None);
+    }
+
+    #[test]
+    fn occluded_counts_glass_and_transmittance_weighs_it() {
+        let glass = Material {
+            color: Vec3::ONE,
+            ambient: 0.0,
+            diffuse: 0.0,
+            highlight: (),
+            reflection: (),
+            transmission: Glass {
+                transmittance: 0.5,
+                ior: 1.5,
+            },
+        };
+        let opaque = Material {
+            transmission: Glass {
+                transmittance: 0.0,
+                ..glass.transmission
+            },
+            ..glass
+        };
+        let at = |z, material| Object {
+            shape: Sphere {
+                center: Vec3::new(0.0, 0.0, z),
+                radius: 1.0,
+            },
+            material,
+        };
+        let ray = Ray {
+            t_max: 20.0,
+            ..Ray::new(Vec3::ZERO, Vec3::NEG_Z)
+        };
+        let one = [at(-5.0, &glass)];
+        assert!(one.as_slice().occluded(&ray));
+        assert_eq!(one.as_slice().transmittance(&ray), 0.25);
+        let short = Ray { t_max: 5.0, ..ray };
+        assert_eq!(one.as_slice().transmittance(&short), 0.5);
+        let two = [at(-5.0, &glass), at(-9.0, &opaque)];
+        assert_eq!(two.as_slice().transmittance(&ray), 0.0);
+        let beyond = [at(-25.0, &opaque)];
+        assert!(!beyond.as_slice().occluded(&ray));
+        assert_eq!(beyond.as_slice().transmittance(&ray), 1.0);
+    }
+}

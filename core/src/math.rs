@@ -1,0 +1,400 @@
+//! Every float function of the crate passes through here.
+//!
+//! [`Exact`] gives the same bits on every target: only operations that IEEE 754 rounds correctly,
+//! in a fixed order, never contracted. [`Micro`] is micromath's approximations for firmware that
+//! wants speed before accuracy; a program names one by type, so that both can be in one binary.
+
+use glam::Vec3;
+use micromath::F32Ext;
+
+/// How roots and powers are computed.
+pub trait Math: 'static {
+    /// Square root of a number that is at least zero.
+    fn sqrt(x: f32) -> f32;
+
+    /// Square root of a number above zero, and the reciprocal of that root.
+    fn sqrt_and_recip(x: f32) -> (f32, f32);
+
+    /// `x` to a whole power.
+    fn powi(x: f32, n: u32) -> f32;
+
+    /// `x`, from 0 to about 1, to a power of at least 0; the same bits as [`Math::powi`] where `n` is
+    /// a whole number.
+    fn powf(x: f32, n: f32) -> f32;
+
+    /// `v` over its length. Not a number where the length is zero or its square leaves the range.
+    #[inline]
+    fn normalize(v: Vec3) -> Vec3 {
+        v * Self::sqrt_and_recip(v.length_squared()).1
+    }
+}
+
+/// Correctly rounded roots, powers to within 0.01 of a step of an 8-bit channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Exact;
+
+/// The approximations of the micromath crate: roots to within a few percent, and powers whose error
+/// shows. The README's chart has what that costs a picture and what it saves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Micro;
+
+impl Math for Exact {
+    #[inline(always)]
+    fn sqrt(x: f32) -> f32 {
+        sqrt(x)
+    }
+
+    #[inline(always)]
+    fn sqrt_and_recip(x: f32) -> (f32, f32) {
+        let root = sqrt(x);
+        (root, 1.0 / root)
+    }
+
+    #[inline]
+    fn powi(x: f32, n: u32) -> f32 {
+        powi(x, n)
+    }
+
+    #[inline]
+    fn powf(x: f32, n: f32) -> f32 {
+        let whole = n as u32;
+        if whole as f32 == n {
+            powi(x, whole)
+        } else {
+            exp2(n * log2(x))
+        }
+    }
+}
+
+impl Math for Micro {
+    #[inline(always)]
+    fn sqrt(x: f32) -> f32 {
+        F32Ext::sqrt(x)
+    }
+
+    #[inline(always)]
+    fn sqrt_and_recip(x: f32) -> (f32, f32) {
+        let recip = F32Ext::invsqrt(x);
+        (x * recip, recip)
+    }
+
+    #[inline]
+    fn powi(x: f32, n: u32) -> f32 {
+        F32Ext::powf(x, n as f32)
+    }
+
+    #[inline]
+    fn powf(x: f32, n: f32) -> f32 {
+        F32Ext::powf(x, n)
+    }
+}
+
+/// The square root, correctly rounded, by the target's instruction where it has one.
+#[inline(always)]
+#[allow(unsafe_code)]
+pub fn sqrt(x: f32) -> f32 {
+    #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+    {
+        // `libm` computes roots in software on 32-bit Arm. The operand passes through a core
+        // register: the `sreg` register class asks for a feature that stable Rust cannot name on
+        // M-profile targets (rust-lang/rust#159976).
+        let mut bits = x.to_bits();
+        // SAFETY: every `eabihf` target has VSQRT.F32; it touches s0 and its operand, no memory, no
+        // flags and no stack.
+        unsafe {
+            core::arch::asm!(
+                "vmov s0, {0}",
+                "vsqrt.f32 s0, s0",
+                "vmov {0}, s0",
+                inout(reg) bits,
+                out("s0") _,
+                options(pure, nomem, nostack, preserves_flags),
+            );
+        }
+        f32::from_bits(bits)
+    }
+    #[cfg(riscv_f)]
+    {
+        let root: f32;
+        // SAFETY: the target has the F extension (build.rs); no memory, no stack. The accrued
+        // exception flags, which Rust never reads, are all that changes beside `root`.
+        unsafe {
+            core::arch::asm!(
+                "fsqrt.s {0}, {1}, rne",
+                out(freg) root,
+                in(freg) x,
+                options(pure, nomem, nostack),
+            );
+        }
+        root
+    }
+    #[cfg(not(any(all(target_arch = "arm", target_abi = "eabihf"), riscv_f)))]
+    {
+        libm::sqrtf(x)
+    }
+}
+
+/// `x` to a whole power by repeated squaring; at most 32 rounds.
+#[inline]
+fn powi(mut x: f32, mut n: u32) -> f32 {
+    let mut power = 1.0;
+    loop {
+        if n & 1 == 1 {
+            power *= x;
+        }
+        n >>= 1;
+        if n == 0 {
+            return power;
+        }
+        x *= x;
+    }
+}
+
+/// Base-2 logarithm of a normal number above zero; of zero and subnormal numbers, -127 or so.
+///
+/// The significand is moved to [√½, √2) and log2((1+s)/(1-s)) expanded in odd powers of s: relative
+/// error 1.2e-7 also near x = 1, where powers with a large exponent are sensitive.
+fn log2(x: f32) -> f32 {
+    const SQRT_HALF_BITS: u32 = 0x3f35_04f3;
+    let offset = x.to_bits().wrapping_sub(SQRT_HALF_BITS);
+    let exponent = (offset as i32) >> 23;
+    let significand = f32::from_bits((offset & 0x007f_ffff).wrapping_add(SQRT_HALF_BITS));
+    let s = (significand - 1.0) / (significand + 1.0);
+    let z = s * s;
+    exponent as f32 + s * (2.885_390_4 + z * (0.961_588_3 + z * 0.595_781_7))
+}
+
+/// 2 to the power of `x`, for `x` up to 127; zero below -126. Relative error 2e-7, by a minimax
+/// polynomial that is exactly 1 at 0.
+#[allow(clippy::approx_constant)]
+fn exp2(x: f32) -> f32 {
+    // Rounding by addition: beyond 2^22 all fractions are gone.
+    const ROUND: f32 = 12_582_912.0;
+    // Also false for NaN.
+    if !(x >= -126.0) {
+        return 0.0;
+    }
+    let x = if x < 127.0 { x } else { 127.0 };
+    let rounded = (x + ROUND) - ROUND;
+    let f = x - rounded;
+    let p = 0.693_147
+        + f * (0.240_222_42 + f * (0.055_507_337 + f * (0.009_671_513 + f * 0.001_326_472_7)));
+    let scale = f32::from_bits(((rounded as i32 + 127) as u32) << 23);
+    (1.0 + f * p) * scale
+}
+
+/// A product of transmittances whose bits do not depend on the order of its factors.
+///
+/// A hierarchy meets surfaces in another order than a slice does, and products of floats depend on
+/// their order. Whole sums do not: this adds -log2 of each factor in units of 2^-24.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Transmittance(u32);
+
+impl Transmittance {
+    /// Multiplies by `factor`, from 0 to 1, `times` times.
+    #[inline]
+    pub fn cross(&mut self, factor: f32, times: u32) {
+        // The cast saturates: zero for NaN and for factors above 1, the largest sum for a factor of 0.
+        let depth = if factor > 0.0 {
+            (-log2(factor) * 16_777_216.0) as u32
+        } else {
+            u32::MAX
+        };
+        self.0 = self.0.saturating_add(depth.saturating_mul(times));
+    }
+
+    /// The product, from 0 to 1. Relative error 2e-7 and 2^-25 for each factor; zero below 2^-126.
+    #[inline]
+    pub fn product(self) -> f32 {
+        let whole = (self.0 >> 24) as f32;
+        let fraction = (self.0 & 0x00ff_ffff) as f32 / 16_777_216.0;
+        // A sum so large that adding its parts rounds is a product that no picture shows.
+        exp2(-(whole + fraction))
+    }
+}
+
+/// Length and unit vector of a difference of `f32` points, for constructors; `None` where the length
+/// is zero or not finite. In f64 no difference of finite points over- or underflows when squared.
+pub(crate) fn unit(v: [f64; 3]) -> Option<(f64, Vec3)> {
+    let length = libm::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    let scale = 1.0 / length;
+    let unit = v.map(|x| (x * scale) as f32);
+    (length > 0.0 && length.is_finite()).then_some((length, Vec3::from_array(unit)))
+}
+
+/// `a - b`, for constructors.
+pub(crate) fn difference(a: Vec3, b: Vec3) -> [f64; 3] {
+    core::array::from_fn(|i| f64::from(a.to_array()[i]) - f64::from(b.to_array()[i]))
+}
+
+/// The cross product, for constructors.
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// The larger of `x` and zero; zero for NaN.
+#[inline(always)]
+pub fn positive(x: f32) -> f32 {
+    if x > 0.0 { x } else { 0.0 }
+}
+
+/// The largest component.
+#[inline(always)]
+pub(crate) fn max_component(v: Vec3) -> f32 {
+    let xy = if v.x > v.y { v.x } else { v.y };
+    if xy > v.z { xy } else { v.z }
+}
+
+/// A vector whose length differs from 1 only by rounding, without that difference: one step of
+/// Newton's method, no root and no division.
+#[inline]
+pub fn renormalize(v: Vec3) -> Vec3 {
+    v * (1.5 - 0.5 * v.length_squared())
+}
+
+/// `direction` mirrored at a surface with this unit normal; unit length.
+#[inline]
+pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
+    renormalize(direction - normal * (2.0 * direction.dot(normal)))
+}
+
+/// `direction` refracted by Snell's law, unit length; `None` for total internal reflection.
+///
+/// `normal` has unit length and is turned to the side from which `direction` comes; `eta` is the
+/// index of refraction on that side over the one on the other side.
+#[inline]
+pub fn refract<P: Math>(direction: Vec3, normal: Vec3, eta: f32) -> Option<Vec3> {
+    let cos = -direction.dot(normal);
+    let cos_squared = 1.0 - eta * eta * (1.0 - cos * cos);
+    // Also false for NaN.
+    if cos_squared >= 0.0 {
+        let bent = direction * eta + normal * (eta * cos - P::sqrt(cos_squared));
+        Some(renormalize(bent))
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sqrt_is_correctly_rounded() {
+        let mut bits: u32 = 1;
+        while bits < 0x7f80_0000 {
+            let x = f32::from_bits(bits);
+            let expected = libm::sqrt(f64::from(x)) as f32;
+            assert_eq!(sqrt(x).to_bits(), expected.to_bits(), "{x:e}");
+            bits += 65_537;
+        }
+        assert_eq!(sqrt(0.0), 0.0);
+        assert!(sqrt(-1.0).is_nan());
+    }
+
+    /// Largest error of a power on [0, 1], in steps of an 8-bit channel.
+    fn worst_step<F: Fn(f32) -> f32>(power: F, n: f64) -> f64 {
+        (0..=200_000)
+            .map(|i| {
+                // Dense near 1, where a large exponent puts the highlight.
+                let x = 1.0 - libm::pow(f64::from(i) / 200_000.0, 3.0);
+                let x = x as f32;
+                let exact = libm::pow(f64::from(x), n);
+                libm::fabs(f64::from(power(x)) - exact) * 255.0
+            })
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn powers_are_within_a_hundredth_of_a_step() {
+        for n in [1.0, 1.5, 3.0827_f32, 9.99, 50.0, 99.5, 333.3, 1000.0, 999.5] {
+            let error = worst_step(|x| Exact::powf(x, n), f64::from(n));
+            assert!(error < 0.01, "exponent {n}: {error} of a step");
+        }
+    }
+
+    #[test]
+    fn whole_real_exponents_have_the_bits_of_integer_ones() {
+        for n in [0_u32, 1, 2, 50, 1000] {
+            for i in 0..=1000_u32 {
+                let x = i as f32 / 1000.0;
+                assert_eq!(
+                    Exact::powf(x, n as f32).to_bits(),
+                    Exact::powi(x, n).to_bits()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn powers_of_the_ends_are_exact_and_nothing_else_is_a_surprise() {
+        assert_eq!(Exact::powf(1.0, 3.5), 1.0);
+        assert_eq!(Exact::powf(0.0, 3.5), 0.0);
+        assert_eq!(Exact::powf(0.5, f32::INFINITY), 0.0);
+        assert_eq!(Exact::powf(0.5, f32::NAN), 0.0);
+        assert!(Exact::powf(f32::NAN, 2.5).is_finite());
+    }
+
+    #[test]
+    fn transmittance_does_not_depend_on_the_order() {
+        let factors = [0.9, 0.8, 0.33, 1.0, 0.51];
+        let mut forward = Transmittance::default();
+        let mut backward = Transmittance::default();
+        for factor in factors {
+            forward.cross(factor, 2);
+        }
+        for factor in factors.iter().rev() {
+            backward.cross(*factor, 1);
+            backward.cross(*factor, 1);
+        }
+        assert_eq!(forward, backward);
+        let exact: f64 = factors
+            .iter()
+            .map(|f| f64::from(*f) * f64::from(*f))
+            .product();
+        let relative = f64::from(forward.product()) / exact - 1.0;
+        assert!(relative.abs() < 2e-6, "{relative:e}");
+    }
+
+    #[test]
+    fn transmittance_is_exact_at_its_ends() {
+        let mut clear = Transmittance::default();
+        clear.cross(1.0, 100);
+        assert_eq!(clear.product(), 1.0);
+        let mut opaque = Transmittance::default();
+        opaque.cross(0.0, 1);
+        opaque.cross(0.5, 1);
+        assert_eq!(opaque.product(), 0.0);
+        let mut half = Transmittance::default();
+        half.cross(0.5, 3);
+        assert_eq!(half.product(), 0.125);
+    }
+
+    #[test]
+    fn directions_stay_unit_over_many_bounces() {
+        let mut direction = Exact::normalize(Vec3::new(1.0, 2.0, 3.0));
+        let normal = Exact::normalize(Vec3::new(-2.0, 1.0, 0.5));
+        for _ in 0..10_000 {
+            direction = reflect(direction, normal);
+        }
+        assert!((direction.length_squared() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn refraction_obeys_snell() {
+        let normal = Vec3::Y;
+        let incoming = Exact::normalize(Vec3::new(1.0, -1.0, 0.0));
+        let bent = refract::<Exact>(incoming, normal, 1.0 / 1.5).unwrap();
+        assert!((bent.x - incoming.x / 1.5).abs() < 1e-6);
+        assert!(bent.y < 0.0);
+        assert_eq!(
+            refract::<Exact>(Exact::normalize(Vec3::new(2.0, -1.0, 0.0)), normal, 1.5),
+            None
+        );
+        assert_eq!(refract::<Exact>(Vec3::NAN, normal, 1.5), None);
+    }
+}

@@ -1,0 +1,89 @@
+//! Shapes: where a ray meets them, and which way they face there.
+
+use glam::Vec3;
+
+use crate::math::Math;
+use crate::ray::{Ray, Side};
+
+pub mod cuboid;
+pub mod frustum;
+pub mod patch;
+pub mod plane;
+pub mod polygon;
+pub mod sphere;
+pub mod triangle;
+
+/// A surface that rays can meet.
+///
+/// A firmware adds its own by implementing this; a slice of [`Object`](crate::Object)s of it is then
+/// a [`Geometry`](crate::Geometry) like any other.
+///
+/// The methods are generic over the [`Math`] policy, so that one binary can hold both; where a shape
+/// takes no root it ignores it.
+///
+/// ```
+/// use whitted::{Math, Ray, Shape, Side, Vec3};
+///
+/// /// A disc that lies in y = 0.
+/// struct Disc { radius: f32 }
+///
+/// impl Shape for Disc {
+///     type Setup = ();
+///
+///     fn setup(_: &Ray) {}
+///
+///     fn intersect<P: Math>(&self, ray: &Ray, _: &(), leaving: Option<Side>) -> Option<f32> {
+///         if leaving.is_some() {
+///             return None; // A flat surface is not met again by what leaves it.
+///         }
+///         let t = ray.admitted(-ray.origin.y / ray.direction.y)?;
+///         (ray.at(t).length_squared() <= self.radius * self.radius).then_some(t)
+///     }
+///
+///     fn normal<P: Math>(&self, _: &Ray, _: f32) -> Vec3 {
+///         Vec3::Y
+///     }
+/// }
+/// ```
+pub trait Shape {
+    /// What all shapes of this kind need to know of a ray, computed once a ray and slice; `()` where
+    /// there is nothing.
+    type Setup;
+
+    /// Prepares a ray. Reads its origin and direction only.
+    fn setup(ray: &Ray) -> Self::Setup;
+
+    /// Distance to the nearest point that the ray [admits](Ray::admits).
+    ///
+    /// `leaving` is set where the ray's origin lies on this very surface, and says on which side of it
+    /// the ray goes on; the point that it leaves must then not be met, whatever rounding makes of it.
+    fn intersect<P: Math>(
+        &self,
+        ray: &Ray,
+        setup: &Self::Setup,
+        leaving: Option<Side>,
+    ) -> Option<f32>;
+
+    /// How many points of the surface the ray admits. Shadow rays count what they cross.
+    ///
+    /// The default is right for flat surfaces; one that a ray can cross twice must count.
+    #[inline]
+    fn crossings<P: Math>(&self, ray: &Ray, setup: &Self::Setup, leaving: Option<Side>) -> u32 {
+        self.intersect::<P>(ray, setup, leaving).is_some() as u32
+    }
+
+    /// Unit normal of the outward side, where [`intersect`](Self::intersect) put this ray's hit.
+    fn normal<P: Math>(&self, ray: &Ray, t: f32) -> Vec3;
+}
+
+/// The nearer of the entry and the exit that a ray admits, and that are visible.
+#[inline(always)]
+fn nearest_root(ray: &Ray, entry: Option<f32>, exit: Option<f32>) -> Option<f32> {
+    let entry = entry.filter(|&t| ray.admits(t));
+    let exit = exit.filter(|&t| ray.admits(t));
+    match (entry, exit) {
+        (Some(entry), Some(exit)) if exit < entry => Some(exit),
+        (Some(entry), _) => Some(entry),
+        (None, exit) => exit,
+    }
+}

@@ -1,0 +1,327 @@
+//! Polygons with any simple outline, and the test that they share with triangles.
+
+use core::fmt;
+
+use glam::{Vec2, Vec3};
+
+use super::{Shape, plane};
+use crate::math::{self, Math};
+use crate::ray::{Ray, Side};
+
+/// A flat outline, convex or not, filled even-odd.
+///
+/// The vertices lie elsewhere, so that polygons of any size are one type.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Polygon<'a> {
+    /// In world space, in order along the outline; the last is joined to the first.
+    pub vertices: &'a [Vec3],
+    /// Unit length; the side on which the outline runs counterclockwise.
+    pub normal: Vec3,
+}
+
+/// Why some vertices are not a [`Polygon`] or a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PolygonError {
+    /// The outline encloses no area; fewer than three vertices never do.
+    ZeroArea,
+    /// This vertex, counted from 0, is not finite.
+    NotFinite(usize),
+    /// This vertex, counted from 0, is off the plane of the others.
+    NotPlanar(usize),
+}
+
+impl fmt::Display for PolygonError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ZeroArea => f.write_str("the outline encloses no area"),
+            Self::NotFinite(vertex) => write!(f, "vertex {vertex} (from 0) is not finite"),
+            Self::NotPlanar(vertex) => {
+                write!(f, "vertex {vertex} (from 0) is off the plane of the others")
+            }
+        }
+    }
+}
+
+impl core::error::Error for PolygonError {}
+
+impl<'a> Polygon<'a> {
+    /// A polygon with its normal by Newell's method: any simple outline, also one that starts with
+    /// collinear vertices or has repeated ones.
+    ///
+    /// # Errors
+    ///
+    /// Where a vertex is not finite, the outline encloses no area, or a vertex is further from the
+    /// plane of the others than 2^-14 of the outline's size and than its coordinates' rounding.
+    pub fn new(vertices: &'a [Vec3]) -> Result<Self, PolygonError> {
+        let normal = newell(vertices)?;
+        Ok(Self { vertices, normal })
+    }
+}
+
+/// Unit normal of an outline.
+///
+/// M. E. Newell's sum over edges, taken over vertices relative to the first: I. E. Sutherland,
+/// R. F. Sproull, R. A. Schumacker, "A Characterization of Ten Hidden-Surface Algorithms", ACM
+/// Computing Surveys 6(1), 1974, credits it.
+pub(super) fn newell(vertices: &[Vec3]) -> Result<Vec3, PolygonError> {
+    if let Some(vertex) = vertices.iter().position(|v| !v.is_finite()) {
+        return Err(PolygonError::NotFinite(vertex));
+    }
+    let Some((&first, rest)) = vertices.split_first() else {
+        return Err(PolygonError::ZeroArea);
+    };
+    let mut sum = [0.0_f64; 3];
+    let mut largest = [0.0_f64; 3];
+    let mut previous = [0.0_f64; 3];
+    let mut size = 0.0_f64;
+    for &vertex in rest {
+        let current = math::difference(vertex, first);
+        let area = math::cross(previous, current);
+        for (sum, area) in sum.iter_mut().zip(area) {
+            *sum += area;
+        }
+        if square(area) > square(largest) {
+            largest = area;
+        }
+        for x in current {
+            size = if libm::fabs(x) > size {
+                libm::fabs(x)
+            } else {
+                size
+            };
+        }
+        previous = current;
+    }
+    // Products of differences of `f32` are nearly exact in f64: what is left of an outline without
+    // area is smaller than this share of its square by far.
+    const NO_AREA: f64 = 1.0 / (1_u64 << 45) as f64;
+    let no_area = NO_AREA * size * size;
+    if square(sum) <= no_area * no_area {
+        // A bow-tie, whose halves cancel, still has a plane; a line has none.
+        sum = largest;
+    }
+    let (length, normal) = math::unit(sum).ok_or(PolygonError::ZeroArea)?;
+    if length <= no_area {
+        return Err(PolygonError::ZeroArea);
+    }
+    const NOT_PLANAR: f64 = 1.0 / (1_u64 << 14) as f64;
+    const ROUNDING: f64 = 8.0 / (1_u64 << 24) as f64;
+    for (index, &vertex) in vertices.iter().enumerate() {
+        let offset = math::difference(vertex, first);
+        let (mut height, mut rounding) = (0.0, 0.0);
+        for i in 0..3 {
+            height += sum[i] / length * offset[i];
+            rounding += libm::fabs(sum[i] / length * f64::from(vertex.to_array()[i]));
+        }
+        if libm::fabs(height) > NOT_PLANAR * size + ROUNDING * rounding {
+            return Err(PolygonError::NotPlanar(index));
+        }
+    }
+    Ok(normal)
+}
+
+fn square(v: [f64; 3]) -> f64 {
+    v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+}
+
+/// A shear that turns a ray into the direction of an axis, so that outlines can be judged in 2-D.
+///
+/// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Rows that
+/// hold the identity where the paper permutes axes: multiplication by 1 and 0 rounds nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shear {
+    origin: Vec3,
+    x: Vec3,
+    y: Vec3,
+}
+
+impl Shear {
+    #[inline]
+    pub(super) fn new(ray: &Ray) -> Self {
+        let d = ray.direction;
+        let size = d.abs();
+        let (x, y) = if size.x > size.y && size.x > size.z {
+            (
+                Vec3::new(-d.y / d.x, 1.0, 0.0),
+                Vec3::new(-d.z / d.x, 0.0, 1.0),
+            )
+        } else if size.y > size.z {
+            (
+                Vec3::new(1.0, -d.x / d.y, 0.0),
+                Vec3::new(0.0, -d.z / d.y, 1.0),
+            )
+        } else {
+            (
+                Vec3::new(1.0, 0.0, -d.x / d.z),
+                Vec3::new(0.0, 1.0, -d.y / d.z),
+            )
+        };
+        Self {
+            origin: ray.origin,
+            x,
+            y,
+        }
+    }
+
+    /// Where a line through `vertex` along the ray meets the plane across it that holds the origin:
+    /// one function of the vertex alone, whichever outline it belongs to.
+    #[inline(always)]
+    pub(super) fn apply(&self, vertex: Vec3) -> Vec2 {
+        let v = vertex - self.origin;
+        Vec2::new(v.dot(self.x), v.dot(self.y))
+    }
+}
+
+/// Whether the edge between two sheared vertices crosses the positive x half-axis.
+///
+/// Both owners of an edge decide alike, since it is always looked at from its lower end; a vertex on
+/// the axis counts as above it. So parities over the faces of a closed mesh add up, whatever the
+/// rounding: no ray passes between faces, and none meets both owners of an edge.
+#[inline(always)]
+pub(super) fn crosses(a: Vec2, b: Vec2) -> bool {
+    let a_is_above = a.y >= 0.0;
+    if a_is_above == (b.y >= 0.0) {
+        return false;
+    }
+    let (low, high) = if a_is_above { (b, a) } else { (a, b) };
+    low.x * high.y > high.x * low.y
+}
+
+impl Shape for Polygon<'_> {
+    type Setup = Shear;
+
+    #[inline]
+    fn setup(ray: &Ray) -> Shear {
+        Shear::new(ray)
+    }
+
+    #[inline]
+    fn intersect<P: Math>(&self, ray: &Ray, shear: &Shear, leaving: Option<Side>) -> Option<f32> {
+        if leaving.is_some() {
+            return None;
+        }
+        let &last = self.vertices.last()?;
+        let mut previous = shear.apply(last);
+        let mut inside = false;
+        for &vertex in self.vertices {
+            let current = shear.apply(vertex);
+            inside ^= crosses(previous, current);
+            previous = current;
+        }
+        if inside {
+            ray.admitted(plane::distance(ray, last, self.normal))
+        } else {
+            None
+        }
+    }
+
+    #[inline(always)]
+    fn normal<P: Math>(&self, _: &Ray, _: f32) -> Vec3 {
+        self.normal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Exact;
+
+    fn flat<const N: usize>(outline: [(f32, f32); N]) -> [Vec3; N] {
+        outline.map(|(x, y)| Vec3::new(x, y, 0.0))
+    }
+
+    /// Which of a grid of rays straight down meet the outline, a row a line, top row first.
+    fn drawn(vertices: &[Vec3], size: i32) -> Vec<String> {
+        let polygon = Polygon::new(vertices).unwrap();
+        (0..size)
+            .rev()
+            .map(|y| {
+                (0..size)
+                    .map(|x| {
+                        let origin = Vec3::new(x as f32 + 0.5, y as f32 + 0.5, 1.0);
+                        let ray = Ray::new(origin, Vec3::NEG_Z);
+                        let hit = polygon.intersect::<Exact>(&ray, &Polygon::setup(&ray), None);
+                        assert!(hit.is_none() || hit == Some(1.0));
+                        if hit.is_some() { '#' } else { '.' }
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    extern crate std;
+    use std::string::String;
+    use std::vec::Vec;
+
+    #[test]
+    fn outlines_are_filled() {
+        let notched = flat([(0.0, 0.0), (6.0, 0.0), (6.0, 6.0), (3.0, 3.5), (0.0, 6.0)]);
+        assert_eq!(
+            drawn(&notched, 6),
+            ["#....#", "##..##", "######", "######", "######", "######"]
+        );
+        let bow_tie = flat([(0.0, 0.0), (4.0, 4.0), (4.0, 0.0), (0.0, 4.0)]);
+        let filled = Polygon::new(&bow_tie).unwrap();
+        for (x, y, inside) in [
+            (0.5, 2.0, true),
+            (3.5, 2.0, true),
+            (2.0, 0.5, false),
+            (2.0, 3.5, false),
+        ] {
+            let ray = Ray::new(Vec3::new(x, y, 1.0), Vec3::NEG_Z);
+            assert_eq!(
+                filled
+                    .intersect::<Exact>(&ray, &Polygon::setup(&ray), None)
+                    .is_some(),
+                inside
+            );
+        }
+    }
+
+    #[test]
+    fn repeated_and_collinear_vertices_change_nothing() {
+        let square = flat([(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (0.0, 3.0)]);
+        let awkward = flat([
+            (0.0, 0.0),
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (2.0, 0.0),
+            (3.0, 0.0),
+            (3.0, 3.0),
+            (0.0, 3.0),
+        ]);
+        assert_eq!(drawn(&awkward, 4), drawn(&square, 4));
+        assert_eq!(Polygon::new(&awkward).unwrap().normal, Vec3::Z);
+    }
+
+    #[test]
+    fn what_has_no_area_is_refused() {
+        let line = flat([(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]);
+        assert_eq!(Polygon::new(&line), Err(PolygonError::ZeroArea));
+        assert_eq!(Polygon::new(&line[..2]), Err(PolygonError::ZeroArea));
+        assert_eq!(Polygon::new(&[]), Err(PolygonError::ZeroArea));
+        let mut holed = flat([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]);
+        holed[2].y = f32::INFINITY;
+        assert_eq!(Polygon::new(&holed), Err(PolygonError::NotFinite(2)));
+        let mut bent = flat([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]);
+        bent[2].z = 0.1;
+        assert!(matches!(
+            Polygon::new(&bent),
+            Err(PolygonError::NotPlanar(_))
+        ));
+    }
+
+    #[test]
+    fn normals_survive_every_scale() {
+        for exponent in -60..=60 {
+            let scale = f32::from_bits(((127 + exponent) as u32) << 23);
+            let outline = flat([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]).map(|v| v * scale);
+            assert_eq!(
+                Polygon::new(&outline).unwrap().normal,
+                Vec3::Z,
+                "2^{exponent}"
+            );
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Flat triangles.
+
+use glam::Vec3;
+
+use super::polygon::{PolygonError, Shear, crosses, newell};
+use super::{Shape, plane};
+use crate::math::Math;
+use crate::ray::{Ray, Side};
+
+/// Three vertices, stored in place, where a [`Polygon`](crate::Polygon) borrows them.
+///
+/// Judged by the same test as polygons: meshes of both are watertight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// In world space.
+    pub vertices: [Vec3; 3],
+    /// Unit length; the side on which the vertices run counterclockwise.
+    pub normal: Vec3,
+}
+
+impl Triangle {
+    /// A triangle with the normal of its plane.
+    ///
+    /// # Errors
+    ///
+    /// Where a vertex is not finite or the triangle has no area.
+    pub fn new(vertices: [Vec3; 3]) -> Result<Self, PolygonError> {
+        let normal = newell(&vertices)?;
+        Ok(Self { vertices, normal })
+    }
+}
+
+/// Distance to the plane of a triangle where the ray passes within its outline.
+#[inline(always)]
+pub(super) fn intersect(
+    ray: &Ray,
+    shear: &Shear,
+    vertices: &[Vec3; 3],
+    normal: Vec3,
+) -> Option<f32> {
+    let [a, b, c] = vertices.map(|vertex| shear.apply(vertex));
+    if crosses(a, b) ^ crosses(b, c) ^ crosses(c, a) {
+        ray.admitted(plane::distance(ray, vertices[2], normal))
+    } else {
+        None
+    }
+}
+
+impl Shape for Triangle {
+    type Setup = Shear;
+
+    #[inline]
+    fn setup(ray: &Ray) -> Shear {
+        Shear::new(ray)
+    }
+
+    #[inline]
+    fn intersect<P: Math>(&self, ray: &Ray, shear: &Shear, leaving: Option<Side>) -> Option<f32> {
+        if leaving.is_some() {
+            return None;
+        }
+        intersect(ray, shear, &self.vertices, self.normal)
+    }
+
+    #[inline(always)]
+    fn normal<P: Math>(&self, _: &Ray, _: f32) -> Vec3 {
+        self.normal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Exact;
+    use crate::shape::polygon::Polygon;
+
+    #[test]
+    fn a_triangle_is_the_polygon_of_its_vertices() {
+        let vertices = [
+            Vec3::new(0.1, 0.2, -3.0),
+            Vec3::new(2.3, -0.4, -4.1),
+            Vec3::new(0.7, 1.9, -5.2),
+        ];
+        let triangle = Triangle::new(vertices).unwrap();
+        let polygon = Polygon::new(&vertices).unwrap();
+        assert_eq!(triangle.normal, polygon.normal);
+        let mut hits = 0;
+        for i in 0..4096 {
+            let direction = Exact::normalize(Vec3::new(
+                (i % 64) as f32 * 0.015,
+                (i / 64) as f32 * 0.01,
+                -1.0,
+            ));
+            let ray = Ray::new(Vec3::ZERO, direction);
+            let setup = Triangle::setup(&ray);
+            let t = triangle.intersect::<Exact>(&ray, &setup, None);
+            assert_eq!(t, polygon.intersect::<Exact>(&ray, &setup, None));
+            hits += t.is_some() as u32;
+        }
+        assert!((100..4000).contains(&hits), "{hits} hits say nothing");
+    }
+
+    #[test]
+    fn slivers_are_kept_and_lines_refused() {
+        let sliver = [Vec3::ZERO, Vec3::X, Vec3::new(0.5, 1e-7, 0.0)];
+        assert_eq!(Triangle::new(sliver).unwrap().normal, Vec3::Z);
+        assert_eq!(
+            Triangle::new([Vec3::ZERO, Vec3::X, Vec3::X * 2.0]),
+            Err(PolygonError::ZeroArea)
+        );
+    }
+}

@@ -1,0 +1,476 @@
+//! Light along rays: T. Whitted's illumination model without recursion.
+//!
+//! "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980. At a hit point, with N turned
+//! to the ray, L unit towards a light of intensity I, and R the view direction mirrored at N:
+//!
+//! `ambient·color·A + Σ [N·L > 0] S·I·(diffuse·color·(N·L) + specular·max(R·L, 0)^shininess)
+//!  + reflectance·trace(reflected) + transmittance·trace(refracted)`
+//!
+//! S is the [transmittance](crate::Geometry::transmittance) between the point and the light. A ray that
+//! meets nothing brings the background; one beyond the depth limit, nothing. At total internal
+//! reflection the refracted share follows the mirrored ray, which then weighs both.
+
+use core::marker::PhantomData;
+
+use glam::Vec3;
+use heapless::Vec;
+
+use crate::geometry::Geometry;
+use crate::material::{Finish, Highlight, Reflection, Transmission};
+use crate::math::{self, Exact, Math};
+use crate::ray::{Hit, Ray};
+use crate::scene::{LightSource, Scene};
+
+/// Something that tracing counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A ray from the camera.
+    Primary,
+    /// A mirrored ray, total internal reflection included.
+    Reflected,
+    /// A refracted ray.
+    Refracted,
+    /// A ray towards a light.
+    Shadow,
+    /// A hit by any but a shadow ray.
+    Hit,
+}
+
+/// Who counts. `()` does not, and costs nothing.
+pub trait Count {
+    /// One more of these.
+    fn count(&mut self, event: Event);
+}
+
+impl Count for () {
+    #[inline(always)]
+    fn count(&mut self, _: Event) {}
+}
+
+/// How many of each [`Event`] there were.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Rays from the camera.
+    pub primary: u64,
+    /// Mirrored rays.
+    pub reflected: u64,
+    /// Refracted rays.
+    pub refracted: u64,
+    /// Rays towards lights.
+    pub shadow: u64,
+    /// Hits by any but shadow rays.
+    pub hits: u64,
+}
+
+impl Count for Counters {
+    #[inline]
+    fn count(&mut self, event: Event) {
+        *match event {
+            Event::Primary => &mut self.primary,
+            Event::Reflected => &mut self.reflected,
+            Event::Refracted => &mut self.refracted,
+            Event::Shadow => &mut self.shadow,
+            Event::Hit => &mut self.hits,
+        } += 1;
+    }
+}
+
+impl core::ops::AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.primary += other.primary;
+        self.reflected += other.reflected;
+        self.refracted += other.refracted;
+        self.shadow += other.shadow;
+        self.hits += other.hits;
+    }
+}
+
+/// How far light is followed, and by which arithmetic.
+///
+/// `DEPTH` is the most rays from the eye to the last surface, the eye ray counted as 1: 1 is direct
+/// light only. It sizes the stack, at most 48 bytes a level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tracer<const DEPTH: usize, P = Exact, C = ()> {
+    /// The most rays from the eye to the last surface, up to `DEPTH`.
+    pub depth: usize,
+    /// What weighs no more than this in its pixel is not traced, a light or a secondary ray. With 0,
+    /// the default, only what cannot change the picture; 1/512 cannot change an 8-bit pixel by more
+    /// than half a step a ray.
+    pub threshold: f32,
+    /// Counts rays and hits; `()` where nobody asks.
+    pub counters: C,
+    policy: PhantomData<P>,
+}
+
+impl<const DEPTH: usize> Tracer<DEPTH> {
+    /// The full depth, no threshold, exact arithmetic, nothing counted.
+    pub const fn new() -> Self {
+        Self::with(())
+    }
+}
+
+impl<const DEPTH: usize> Default for Tracer<DEPTH> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const DEPTH: usize, P: Math, C> Tracer<DEPTH, P, C> {
+    /// The full depth, no threshold, with counters and a [`Math`] policy of choice.
+    ///
+    /// ```
+    /// use whitted::{Counters, Micro, Tracer};
+    ///
+    /// let counting = Tracer::<5, whitted::Exact, _>::with(Counters::default());
+    /// let fast = Tracer::<5, Micro>::with(());
+    /// # let _ = (counting, fast);
+    /// ```
+    pub const fn with(counters: C) -> Self {
+        Self {
+            depth: DEPTH,
+            threshold: 0.0,
+            counters,
+            policy: PhantomData,
+        }
+    }
+}
+
+/// A ray yet to be traced.
+#[derive(Clone, Copy)]
+struct Path {
+    ray: Ray,
+    /// What it brings is weighed by this.
+    throughput: f32,
+    /// How many rays lie between the eye and its end.
+    depth: usize,
+}
+
+impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
+    /// Light that arrives along `ray`, from a camera: linear RGB, at least zero, with no upper bound.
+    pub fn radiance<G, L>(&mut self, scene: &Scene<'_, G, L>, ray: Ray) -> Vec3
+    where
+        G: Geometry<Material: Finish>,
+        L: LightSource,
+    {
+        self.counters.count(Event::Primary);
+        let mut radiance = Vec3::ZERO;
+        // Of two children one is followed in place and one waits. A depth leaves at most one waiting
+        // ray, and the deepest has no children, so that DEPTH entries always suffice.
+        let mut waiting = Vec::<Path, DEPTH>::new();
+        let mut path = Path {
+            ray,
+            throughput: 1.0,
+            depth: 1,
+        };
+        // A path ends within `depth` rays, and each ray has at most two children.
+        loop {
+            let (reflected, refracted) = match scene.geometry.closest_hit_by::<P>(&path.ray) {
+                None => {
+                    radiance += scene.background * path.throughput;
+                    (None, None)
+                }
+                Some(hit) => {
+                    self.counters.count(Event::Hit);
+                    let mirrored = math::reflect(path.ray.direction, hit.normal);
+                    radiance += self.direct(scene, &hit, mirrored, path.throughput);
+                    self.children(&path, &hit, mirrored)
+                }
+            };
+            path = match (reflected, refracted) {
+                (Some(reflected), Some(refracted)) => {
+                    let fits = waiting.push(refracted).is_ok();
+                    debug_assert!(fits, "more than one ray waits at a depth");
+                    reflected
+                }
+                (Some(child), None) | (None, Some(child)) => child,
+                (None, None) => match waiting.pop() {
+                    Some(path) => path,
+                    None => return radiance,
+                },
+            };
+        }
+    }
+
+    /// Light that the point scatters by itself, weighed by `throughput`.
+    #[inline]
+    fn direct<G, L>(
+        &mut self,
+        scene: &Scene<'_, G, L>,
+        hit: &Hit<'_, G::Material>,
+        mirrored: Vec3,
+        throughput: f32,
+    ) -> Vec3
+    where
+        G: Geometry<Material: Finish>,
+        L: LightSource,
+    {
+        let material = hit.material;
+        let mut light = material.color() * scene.ambient * (material.ambient() * throughput);
+        for source in scene.lights {
+            let to_light = source.position() - hit.point;
+            let height = hit.normal.dot(to_light);
+            // Also false for NaN, and for a light at the point itself.
+            if !(height > 0.0) {
+                continue;
+            }
+            let (distance, recip) = P::sqrt_and_recip(to_light.length_squared());
+            let direction = to_light * recip;
+            let highlight = material
+                .highlight()
+                .brightness::<P>(mirrored.dot(direction));
+            let mut term = material.color() * (material.diffuse() * (height * recip));
+            if <G::Material as Finish>::Highlight::SHINES {
+                term += Vec3::splat(highlight);
+            }
+            term = term * source.color() * throughput;
+            // No shadow ray for what cannot be seen.
+            if !(math::max_component(term) > self.threshold) {
+                continue;
+            }
+            if source.casts_shadows() {
+                self.counters.count(Event::Shadow);
+                let mut shadow = hit.back(direction);
+                shadow.t_max = distance;
+                if <G::Material as Finish>::Transmission::TRANSMITS {
+                    term *= scene.geometry.transmittance_by::<P>(&shadow);
+                } else if scene.geometry.blocks::<P>(&shadow, 0) {
+                    continue;
+                }
+            }
+            light += term;
+        }
+        light
+    }
+
+    /// The mirrored and the refracted ray, where they weigh enough.
+    #[inline]
+    fn children<M: Finish>(
+        &mut self,
+        path: &Path,
+        hit: &Hit<'_, M>,
+        mirrored: Vec3,
+    ) -> (Option<Path>, Option<Path>) {
+        if !(M::Reflection::REFLECTS || M::Transmission::TRANSMITS)
+            || path.depth >= self.depth
+            || path.depth >= DEPTH
+        {
+            return (None, None);
+        }
+        let child = |ray, weight| {
+            let throughput = path.throughput * weight;
+            (throughput > self.threshold).then_some(Path {
+                ray,
+                throughput,
+                depth: path.depth + 1,
+            })
+        };
+        let mut reflectance = hit.material.reflection().reflectance();
+        let mut refracted = None;
+        if M::Transmission::TRANSMITS {
+            let glass = hit.material.transmission();
+            let transmittance = glass.transmittance();
+            if path.throughput * transmittance > self.threshold {
+                let eta = if hit.front {
+                    1.0 / glass.ior()
+                } else {
+                    glass.ior()
+                };
+                match math::refract::<P>(path.ray.direction, hit.normal, eta) {
+                    Some(direction) => refracted = child(hit.through(direction), transmittance),
+                    // Total internal reflection.
+                    None => reflectance += transmittance,
+                }
+            }
+        }
+        let reflected = child(hit.back(mirrored), reflectance);
+        if reflected.is_some() {
+            self.counters.count(Event::Reflected);
+        }
+        if refracted.is_some() {
+            self.counters.count(Event::Refracted);
+        }
+        (reflected, refracted)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Object;
+    use crate::material::{Glass, Material, Mirror};
+    use crate::scene::Light;
+    use crate::shape::plane::Plane;
+    use crate::shape::sphere::Sphere;
+
+    const UP: Ray = Ray::new(Vec3::new(0.0, 0.5, 0.0), Vec3::Y);
+
+    fn mirror(ambient: f32, reflectance: f32) -> Material<(), Mirror> {
+        Material {
+            color: Vec3::ONE,
+            ambient,
+            diffuse: 0.0,
+            highlight: (),
+            reflection: Mirror { reflectance },
+            transmission: (),
+        }
+    }
+
+    #[test]
+    fn mirrors_end_at_the_depth_limit_in_black() {
+        let silver = mirror(0.125, 0.5);
+        let at = |y| Object {
+            shape: Plane {
+                point: Vec3::Y * y,
+                normal: Vec3::Y,
+            },
+            material: &silver,
+        };
+        let walls = [at(0.0), at(1.0)];
+        let scene = Scene {
+            geometry: walls.as_slice(),
+            lights: &[] as &[Light],
+            background: Vec3::ONE,
+            ambient: Vec3::ONE,
+        };
+        // The series 0.125 (1 + 1/2 + 1/4 …), a term a ray.
+        let mut tracer = Tracer::<5, Exact, _>::with(Counters::default());
+        assert_eq!(
+            tracer.radiance(&scene, UP),
+            Vec3::splat(0.125 * (2.0 - 1.0 / 16.0))
+        );
+        assert_eq!((tracer.counters.reflected, tracer.counters.hits), (4, 5));
+        tracer.depth = 1;
+        assert_eq!(tracer.radiance(&scene, UP), Vec3::splat(0.125));
+        tracer.depth = 9;
+        assert_eq!(
+            tracer.radiance(&scene, UP),
+            Vec3::splat(0.242_187_5),
+            "at most DEPTH"
+        );
+        tracer.threshold = 0.25;
+        assert_eq!(
+            tracer.radiance(&scene, UP),
+            Vec3::splat(0.187_5),
+            "1 and 1/2 are above 1/4"
+        );
+    }
+
+    #[test]
+    fn rays_that_meet_nothing_bring_the_background() {
+        let silver = mirror(0.0, 0.5);
+        let floor = [Object {
+            shape: Plane {
+                point: Vec3::ZERO,
+                normal: Vec3::Y,
+            },
+            material: &silver,
+        }];
+        let scene = Scene {
+            geometry: floor.as_slice(),
+            lights: &[] as &[Light],
+            background: Vec3::new(0.2, 0.4, 0.8),
+            ambient: Vec3::ONE,
+        };
+        let mut tracer = Tracer::<2>::new();
+        let down = Ray::new(Vec3::Y, Vec3::NEG_Y);
+        assert_eq!(tracer.radiance(&scene, UP), scene.background);
+        assert_eq!(tracer.radiance(&scene, down), scene.background * 0.5);
+    }
+
+    fn glass(transmittance: f32, ior: f32) -> Material<(), (), Glass> {
+        Material {
+            color: Vec3::ONE,
+            ambient: 0.0,
+            diffuse: 0.0,
+            highlight: (),
+            reflection: (),
+            transmission: Glass { transmittance, ior },
+        }
+    }
+
+    #[test]
+    fn a_ray_through_a_lens_s_center_goes_straight_and_is_weighed_twice() {
+        let clear = glass(0.5, 1.5);
+        let lens = [Object {
+            shape: Sphere {
+                center: Vec3::ZERO,
+                radius: 1.0,
+            },
+            material: &clear,
+        }];
+        let scene = Scene {
+            geometry: lens.as_slice(),
+            lights: &[] as &[Light],
+            background: Vec3::ONE,
+            ambient: Vec3::ZERO,
+        };
+        let ray = Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z);
+        let mut tracer = Tracer::<5, Exact, _>::with(Counters::default());
+        assert_eq!(tracer.radiance(&scene, ray), Vec3::splat(0.25));
+        assert_eq!(
+            (tracer.counters.refracted, tracer.counters.reflected),
+            (2, 0)
+        );
+    }
+
+    #[test]
+    fn total_internal_reflection_keeps_the_transmitted_share() {
+        let clear = glass(0.5, 1.5);
+        let lens = [Object {
+            shape: Sphere {
+                center: Vec3::ZERO,
+                radius: 1.0,
+            },
+            material: &clear,
+        }];
+        let scene = Scene {
+            geometry: lens.as_slice(),
+            lights: &[] as &[Light],
+            background: Vec3::ONE,
+            ambient: Vec3::ZERO,
+        };
+        // From inside, beyond the critical angle at every bounce: trapped until the depth ends.
+        let trapped = Ray::new(Vec3::new(0.9, 0.0, 0.0), Vec3::Y);
+        let mut tracer = Tracer::<6, Exact, _>::with(Counters::default());
+        assert_eq!(tracer.radiance(&scene, trapped), Vec3::ZERO);
+        assert_eq!(
+            (tracer.counters.reflected, tracer.counters.refracted),
+            (5, 0)
+        );
+    }
+
+    #[test]
+    fn lights_behind_a_surface_or_at_it_light_nothing() {
+        let chalk = Material::matte(Vec3::ONE, 0.0, 1.0);
+        let floor = [Object {
+            shape: Plane {
+                point: Vec3::ZERO,
+                normal: Vec3::Y,
+            },
+            material: &chalk,
+        }];
+        let light = |x, y| Light {
+            position: Vec3::new(x, y, 0.0),
+            color: Vec3::ONE,
+        };
+        let cases = [
+            ("above", light(0.0, 3.0), Vec3::ONE, 1),
+            ("below", light(0.0, -3.0), Vec3::ZERO, 0),
+            ("beside", light(5.0, 0.0), Vec3::ZERO, 0),
+            ("at the point", light(0.0, 0.0), Vec3::ZERO, 0),
+            ("not a number", light(f32::NAN, 1.0), Vec3::ZERO, 0),
+        ];
+        for (name, light, expected, shadows) in cases {
+            let scene = Scene {
+                geometry: floor.as_slice(),
+                lights: &[light],
+                background: Vec3::ZERO,
+                ambient: Vec3::ZERO,
+            };
+            let mut tracer = Tracer::<1, Exact, _>::with(Counters::default());
+            let ray = Ray::new(Vec3::Y, Vec3::NEG_Y);
+            assert_eq!(tracer.radiance(&scene, ray), expected, "{name}");
+            assert_eq!(tracer.counters.shadow, shadows, "{name}");
+        }
+    }
+}
