@@ -101,41 +101,45 @@ impl Frustum {
     /// or not the ray admits it. A ray from the surface meets the side at 0 by definition.
     #[inline(always)]
     fn roots<P: Math>(&self, ray: &Ray, leaving: Option<Side>) -> (Option<f32>, Option<f32>) {
-        if leaving == Some(Side::Outside) {
+        // Where only the inside is visible, that is the outward side.
+        let outward = leaving.map(|side| (side == Side::Outside) == self.shows_outside());
+        if outward == Some(true) {
             return (None, None);
         }
-        // As for the sphere, the origin moves to where the ray is closest to the middle.
-        let half = self.axis * (0.5 * self.length);
-        let to_middle = self.base + half - ray.origin;
+        // As for the sphere, the origin moves to where the ray is closest, here to the base.
+        let to_base = self.base - ray.origin;
         let approach = if leaving.is_some() {
             0.0
         } else {
-            to_middle.dot(ray.direction)
+            to_base.dot(ray.direction)
         };
-        let offset = ray.direction * approach - to_middle;
-        // Along the axis, from the middle; across it; and the radius there. Then how these change.
-        let along = offset.dot(self.axis);
-        let across = offset - self.axis * along;
-        let radius = self.base_radius + self.slope * (along + 0.5 * self.length);
+        let from_base = ray.direction * approach - to_base;
+        // Along the axis, across it, and the radius there; then how these change along the ray.
+        let along = from_base.dot(self.axis);
+        let across = from_base - self.axis * along;
+        let radius = self.base_radius + self.slope * along;
         let along_rate = ray.direction.dot(self.axis);
         let across_rate = ray.direction - self.axis * along_rate;
         let radius_rate = self.slope * along_rate;
         // a t² + 2 b t + c = 0.
         let a = across_rate.length_squared() - radius_rate * radius_rate;
         let b = across.dot(across_rate) - radius * radius_rate;
-        let c = if leaving.is_some() {
-            0.0
+        let (c, root) = if leaving.is_some() {
+            (0.0, if b < 0.0 { -b } else { b })
         } else {
-            across.length_squared() - radius * radius
+            // b² - a c without its cancellation, by Lagrange's identity.
+            let growth = across_rate * radius - across * radius_rate;
+            let twist = across.cross(across_rate);
+            let discriminant = growth.length_squared() - twist.length_squared();
+            // Also true for NaN.
+            if !(discriminant >= 0.0) {
+                return (None, None);
+            }
+            let c = across.length_squared() - radius * radius;
+            (c, P::sqrt(discriminant))
         };
-        let discriminant = b * b - a * c;
-        // Also true for NaN.
-        if !(discriminant >= 0.0) {
-            return (None, None);
-        }
         // The derivative at a root is twice the root of the discriminant: negative where the ray
         // enters the solid, positive where it leaves it, on both halves of a double cone.
-        let root = P::sqrt(discriminant);
         let (entry, exit) = if b > 0.0 {
             let q = -b - root;
             (q / a, c / q)
@@ -143,12 +147,9 @@ impl Frustum {
             let q = root - b;
             (c / q, q / a)
         };
-        let half_length = 0.5 * self.length;
         let between_ends = |t: f32| {
             let along = along + t * along_rate;
-            (-half_length..=half_length)
-                .contains(&along)
-                .then_some(approach + t)
+            (0.0..=self.length).contains(&along).then_some(approach + t)
         };
         let entry = if leaving.is_none() && self.shows_outside() {
             between_ends(entry)

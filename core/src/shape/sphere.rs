@@ -63,13 +63,23 @@ impl Sphere {
         let to_center = self.center - ray.origin;
         let approach = to_center.dot(ray.direction);
         let miss = ray.direction * approach - to_center;
-        let half_chord_squared = self.radius * self.radius - miss.length_squared();
+        let square = self.radius * self.radius - miss.length_squared();
+        // What rounding leaves of `miss` along a unit direction is below 2^-21 of the way: where even
+        // its square, twice over, does not help, the ray misses, and nothing more is computed.
+        const SLACK: f32 = 1.0 / (1_u64 << 40) as f32;
+        if square < -SLACK * (approach * approach) {
+            return None;
+        }
+        let along = miss.dot(ray.direction);
+        let half_chord_squared = square + along * along;
         // Also false for NaN.
         if half_chord_squared >= 0.0 {
-            // What rounding has left of `miss` along the ray.
-            let middle = approach - miss.dot(ray.direction);
             let half_chord = P::sqrt(half_chord_squared);
-            Some((middle - half_chord, middle + half_chord))
+            // Small terms first.
+            Some((
+                approach - (half_chord + along),
+                approach + (half_chord - along),
+            ))
         } else {
             None
         }
@@ -78,9 +88,11 @@ impl Sphere {
     /// The other end of the chord that a ray from the surface cuts.
     #[inline(always)]
     fn chord(&self, ray: &Ray, side: Side) -> Option<f32> {
-        match side {
-            Side::Outside => None,
-            Side::Inside => ray.admitted(2.0 * (self.center - ray.origin).dot(ray.direction)),
+        // Where only the inside is visible, that is the outward side.
+        if (side == Side::Inside) == self.shows_outside() {
+            ray.admitted(2.0 * (self.center - ray.origin).dot(ray.direction))
+        } else {
+            None
         }
     }
 
