@@ -1,0 +1,368 @@
+//! Scenes as the ray caster takes them: the type that names everything.
+//!
+//! A firmware's scene names what it uses and links nothing else. Here any scene has to fit, so there
+//! is one type with every primitive and every term of the lighting model.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+use whitted::{
+    Camera, Cuboid, Frustum, Glass, LightSource, Mirror, Object, Patch, PhongReal, Plane, Polygon,
+    Scene, Sphere, Triangle, View,
+};
+
+use crate::scene_file::{
+    self, Lens, Place, Problem, Scale, SceneError, SceneFile, Shape, at, direction, proportions,
+};
+
+/// A material that can do everything.
+pub type Material = whitted::Material<PhongReal, Mirror, Glass>;
+
+/// All objects of one kind.
+pub type Kind<'a, S> = &'a [Object<'a, S, Material>];
+
+/// A geometry of every kind of object. Which kinds come first decides ties and nothing else.
+pub type HostGeometry<'a> = (
+    Kind<'a, Sphere>,
+    (
+        Kind<'a, Plane>,
+        (
+            Kind<'a, Polygon<'a>>,
+            (
+                Kind<'a, Triangle>,
+                (Kind<'a, Patch>, (Kind<'a, Cuboid>, Kind<'a, Frustum>)),
+            ),
+        ),
+    ),
+);
+
+/// A scene of everything.
+pub type AnyScene<'a> = Scene<'a, HostGeometry<'a>, Light>;
+
+/// A point light that casts shadows or not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// As cast.
+    pub position: Vec3,
+    /// Linear RGB.
+    pub color: Vec3,
+    /// Whether objects block it.
+    pub shadows: bool,
+}
+
+impl LightSource for Light {
+    fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    fn color(&self) -> Vec3 {
+        self.color
+    }
+
+    fn casts_shadows(&self) -> bool {
+        self.shadows
+    }
+}
+
+/// What a scene's objects borrow: materials, and the vertices of polygons.
+#[derive(Clone, Debug)]
+pub struct Pool {
+    scale: Scale,
+    /// Different ones only.
+    materials: Vec<Material>,
+    /// For each material of the file, which of these it is.
+    material_of: Vec<usize>,
+    vertices: Vec<Vec3>,
+    /// For each object of the file that is a polygon, in order, where its vertices end.
+    ends: Vec<usize>,
+}
+
+impl Pool {
+    /// Takes what is to be borrowed from a file.
+    pub fn new(file: &SceneFile) -> Self {
+        let scale = file.scale();
+        let mut pool = Self {
+            scale,
+            materials: Vec::new(),
+            material_of: Vec::new(),
+            vertices: Vec::new(),
+            ends: Vec::new(),
+        };
+        let mut known = HashMap::new();
+        for material in file.materials.iter().map(material) {
+            let index = *known.entry(bits(&material)).or_insert_with(|| {
+                pool.materials.push(material);
+                pool.materials.len() - 1
+            });
+            pool.material_of.push(index);
+        }
+        for object in &file.objects {
+            if let Shape::Polygon { vertices } = &object.shape {
+                let vertices = vertices.iter().map(|&it| scale.point(it));
+                pool.vertices.extend(vertices);
+                pool.ends.push(pool.vertices.len());
+            }
+        }
+        pool
+    }
+
+    /// How many different materials there are.
+    pub fn materials(&self) -> usize {
+        self.materials.len()
+    }
+}
+
+fn material(file: &scene_file::Material) -> Material {
+    Material {
+        color: color(file.color),
+        ambient: file.ambient as f32,
+        diffuse: file.diffuse as f32,
+        highlight: PhongReal {
+            specular: file.specular as f32,
+            shininess: file.shininess as f32,
+        },
+        reflection: Mirror {
+            reflectance: file.reflectance as f32,
+        },
+        transmission: Glass {
+            transmittance: file.transmittance as f32,
+            ior: file.ior as f32,
+        },
+    }
+}
+
+fn color(rgb: [f64; 3]) -> Vec3 {
+    Vec3::from_array(rgb.map(|it| it as f32))
+}
+
+/// All of a material, as something to compare and to hash.
+fn bits(material: &Material) -> [u32; 10] {
+    let [r, g, b] = material.color.to_array();
+    [
+        r,
+        g,
+        b,
+        material.ambient,
+        material.diffuse,
+        material.highlight.specular,
+        material.highlight.shininess,
+        material.reflection.reflectance,
+        material.transmission.transmittance,
+        material.transmission.ior,
+    ]
+    .map(f32::to_bits)
+}
+
+/// A scene file's objects, lights and camera, at the [scale](Scale) at which they are cast.
+#[derive(Clone, Debug)]
+pub struct HostScene<'a> {
+    file: &'a SceneFile,
+    scale: Scale,
+    spheres: Vec<Object<'a, Sphere, Material>>,
+    planes: Vec<Object<'a, Plane, Material>>,
+    polygons: Vec<Object<'a, Polygon<'a>, Material>>,
+    triangles: Vec<Object<'a, Triangle, Material>>,
+    patches: Vec<Object<'a, Patch, Material>>,
+    cuboids: Vec<Object<'a, Cuboid, Material>>,
+    frusta: Vec<Object<'a, Frustum, Material>>,
+    lights: Vec<Light>,
+    /// For each object in geometry order, which of the file's it is.
+    in_file: Vec<usize>,
+}
+
+impl<'a> HostScene<'a> {
+    /// Builds every object. `pool` is this file's.
+    ///
+    /// # Errors
+    ///
+    /// Where a shape or the camera is impossible as such; with its place in the file.
+    pub fn new(file: &'a SceneFile, pool: &'a Pool) -> Result<Self, SceneError> {
+        let mut scene = Self {
+            file,
+            scale: pool.scale,
+            spheres: Vec::new(),
+            planes: Vec::new(),
+            polygons: Vec::new(),
+            triangles: Vec::new(),
+            patches: Vec::new(),
+            cuboids: Vec::new(),
+            frusta: Vec::new(),
+            lights: Vec::new(),
+            in_file: Vec::new(),
+        };
+        scene
+            .objects(pool)
+            .map_err(|(place, problem)| file.error(place, problem))?;
+        scene.lights = file
+            .lights
+            .iter()
+            .map(|it| Light {
+                position: pool.scale.point(it.position),
+                color: color(it.color),
+                shadows: it.shadows,
+            })
+            .collect();
+        // For its errors: every command refuses a camera that shows nothing.
+        scene.camera(1, 1)?;
+        Ok(scene)
+    }
+
+    fn objects(&mut self, pool: &'a Pool) -> Result<(), (Place, Problem)> {
+        let scale = self.scale;
+        let mut origins: [Vec<usize>; 7] = Default::default();
+        let mut polygons = 0;
+        for (index, object) in self.file.objects.iter().enumerate() {
+            let material = &pool.materials[pool.material_of[object.material]];
+            let place = object.place;
+            let kind = match object.shape {
+                Shape::Sphere { center, radius } => {
+                    let shape = Sphere::new(scale.point(center), scale.length(radius))
+                        .map_err(at(place))?;
+                    self.spheres.push(Object { shape, material });
+                    0
+                }
+                Shape::Plane { point, normal } => {
+                    let shape =
+                        Plane::new(scale.point(point), direction(normal)).map_err(at(place))?;
+                    self.planes.push(Object { shape, material });
+                    1
+                }
+                Shape::Polygon { .. } => {
+                    let start = if polygons == 0 {
+                        0
+                    } else {
+                        pool.ends[polygons - 1]
+                    };
+                    let vertices = &pool.vertices[start..pool.ends[polygons]];
+                    let shape =
+                        Polygon::new(vertices).map_err(|error| (place, Problem::Polygon(error)))?;
+                    self.polygons.push(Object { shape, material });
+                    polygons += 1;
+                    2
+                }
+                Shape::Triangle { vertices } => {
+                    let shape = Triangle::new(vertices.map(|it| scale.point(it)))
+                        .map_err(|error| (place, Problem::Triangle(error)))?;
+                    self.triangles.push(Object { shape, material });
+                    3
+                }
+                Shape::Patch { vertices, normals } => {
+                    let vertices = vertices.map(|it| scale.point(it));
+                    let shape = Patch::new(vertices, normals.map(direction)).map_err(at(place))?;
+                    self.patches.push(Object { shape, material });
+                    4
+                }
+                Shape::Box { min, max } => {
+                    let shape =
+                        Cuboid::new(scale.point(min), scale.point(max)).map_err(at(place))?;
+                    self.cuboids.push(Object { shape, material });
+                    5
+                }
+                Shape::Frustum {
+                    base,
+                    base_radius,
+                    apex,
+                    apex_radius,
+                } => {
+                    let shape = Frustum::new(
+                        scale.point(base),
+                        scale.length(base_radius),
+                        scale.point(apex),
+                        scale.length(apex_radius),
+                    )
+                    .map_err(at(place))?;
+                    self.frusta.push(Object { shape, material });
+                    6
+                }
+            };
+            origins[kind].push(index);
+        }
+        self.in_file = origins.concat();
+        Ok(())
+    }
+
+    /// The scene, for tracing and casting.
+    pub fn scene(&self) -> AnyScene<'_> {
+        Scene {
+            geometry: self.geometry(),
+            lights: &self.lights,
+            background: color(self.file.background),
+            ambient: color(self.file.ambient),
+        }
+    }
+
+    /// The objects; what the renderer runs on.
+    pub fn geometry(&self) -> HostGeometry<'_> {
+        (
+            &self.spheres,
+            (
+                &self.planes,
+                (
+                    &self.polygons,
+                    (
+                        &self.triangles,
+                        (&self.patches, (&self.cuboids, &self.frusta)),
+                    ),
+                ),
+            ),
+        )
+    }
+
+    /// The file that this is the scene of.
+    pub fn file(&self) -> &'a SceneFile {
+        self.file
+    }
+
+    /// The scale at which everything here is.
+    pub fn scale(&self) -> Scale {
+        self.scale
+    }
+
+    /// The object of the file that [`whitted::Hit::object`] names.
+    pub fn in_file(&self, object: usize) -> &'a scene_file::Object {
+        &self.file.objects[self.in_file[object]]
+    }
+
+    /// The camera for a picture of some size in pixels; `None` where the file has none.
+    ///
+    /// # Errors
+    ///
+    /// Where it shows nothing.
+    pub fn camera(&self, width: u32, height: u32) -> Result<Option<View>, SceneError> {
+        let Some(camera) = &self.file.camera else {
+            return Ok(None);
+        };
+        let (eye, target) = (
+            self.scale.point(camera.eye),
+            self.scale.point(camera.target),
+        );
+        let up = direction(camera.up);
+        let tan_half = |degrees: f64| libm::tan(degrees.to_radians() / 2.0) as f32;
+        let view = match camera.lens {
+            Lens::Vertical { degrees } => {
+                let aspect = width as f32 / height as f32;
+                Camera::look_at(eye, target, up, tan_half(degrees), aspect)
+            }
+            Lens::Both { degrees } => Camera::look_at(eye, target, up, tan_half(degrees), 1.0),
+            Lens::Frustum {
+                left,
+                right,
+                bottom,
+                top,
+                distance,
+            } => {
+                let [left, right, bottom, top, distance] =
+                    proportions([left, right, bottom, top, distance]);
+                Camera::frustum(eye, target, up, left, right, bottom, top, distance)
+            }
+        };
+        match view {
+            Ok(camera) => Ok(Some(View {
+                camera,
+                width,
+                height,
+            })),
+            Err(error) => Err(self.file.error(camera.place, error.into())),
+        }
+    }
+}

@@ -1,0 +1,853 @@
+//! Scenes in TOML, for people to write. `SCENES.md` describes every field.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::path::Path;
+
+use ::toml::Spanned;
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer};
+
+use super::limits::{self, Range};
+use super::{
+    Camera, DEFAULT_DEPTH, Lens, Light, Located, Material, Object, Place, Problem, SceneError,
+    SceneFile, Shape, at,
+};
+use crate::scene_file::error::excerpt;
+
+/// Makes a scene of a file's text; `path` is for messages.
+///
+/// # Errors
+///
+/// Where the text is not TOML, a field is unknown, missing, of the wrong type or beyond the
+/// [`limits`](super::limits), or fields contradict each other.
+pub fn parse(path: &Path, text: &str) -> Result<SceneFile, SceneError> {
+    let places = Places::new(text);
+    let fail = |place, problem| SceneError {
+        path: path.to_owned(),
+        place: Some(place),
+        problem,
+    };
+    let document: Document = ::toml::from_str(text).map_err(|error| {
+        let offset = error.span().map_or(0, |it| it.start);
+        fail(
+            places.of(offset),
+            Problem::Toml(error.message().trim().to_owned()),
+        )
+    })?;
+    let mut file = SceneFile::empty(path);
+    document
+        .fill(&mut file, &places)
+        .map_err(|(place, problem)| fail(place, problem))?;
+    Ok(file)
+}
+
+/// Where the lines of a text begin, so that places are found fast.
+struct Places<'a> {
+    text: &'a str,
+    lines: Vec<usize>,
+}
+
+impl<'a> Places<'a> {
+    fn new(text: &'a str) -> Self {
+        let after_feeds = text.bytes().enumerate().filter(|it| it.1 == b'\n');
+        Self {
+            text,
+            lines: std::iter::once(0)
+                .chain(after_feeds.map(|it| it.0 + 1))
+                .collect(),
+        }
+    }
+
+    fn of(&self, offset: usize) -> Place {
+        let line = self.lines.partition_point(|&start| start <= offset);
+        let start = self.lines[line - 1];
+        let in_line = Place::of(&self.text.as_bytes()[start..], offset - start);
+        Place {
+            line: line as u32,
+            column: in_line.column,
+        }
+    }
+
+    fn start<T>(&self, spanned: &Spanned<T>) -> Place {
+        self.of(spanned.span().start)
+    }
+}
+
+/// A number, written as a float or as an integer of any size.
+#[derive(Clone, Copy)]
+struct Number(f64);
+
+impl<'de> Deserialize<'de> for Number {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NumberVisitor;
+
+        impl Visitor<'_> for NumberVisitor {
+            type Value = Number;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number")
+            }
+
+            fn visit_f64<E>(self, number: f64) -> Result<Number, E> {
+                Ok(Number(number))
+            }
+
+            fn visit_i64<E>(self, number: i64) -> Result<Number, E> {
+                Ok(Number(number as f64))
+            }
+
+            fn visit_u64<E>(self, number: u64) -> Result<Number, E> {
+                Ok(Number(number as f64))
+            }
+
+            fn visit_i128<E>(self, number: i128) -> Result<Number, E> {
+                Ok(Number(number as f64))
+            }
+
+            fn visit_u128<E>(self, number: u128) -> Result<Number, E> {
+                Ok(Number(number as f64))
+            }
+        }
+
+        deserializer.deserialize_any(NumberVisitor)
+    }
+}
+
+type Real = Spanned<Number>;
+type Point = Spanned<[Number; 3]>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    size: Option<Spanned<[u64; 2]>>,
+    depth: Option<Spanned<u64>>,
+    #[serde(default = "yes")]
+    shadows: bool,
+    background: Option<Point>,
+    ambient: Option<Point>,
+    camera: Option<Spanned<CameraFields>>,
+    #[serde(default)]
+    light: Vec<Spanned<LightFields>>,
+    #[serde(default)]
+    material: HashMap<Spanned<String>, MaterialFields>,
+    #[serde(default)]
+    sphere: Vec<Spanned<SphereFields>>,
+    #[serde(default)]
+    plane: Vec<Spanned<PlaneFields>>,
+    #[serde(default)]
+    polygon: Vec<Spanned<PolygonFields>>,
+    #[serde(default)]
+    triangle: Vec<Spanned<TriangleFields>>,
+    #[serde(default)]
+    patch: Vec<Spanned<PatchFields>>,
+    #[serde(default, rename = "box")]
+    cuboid: Vec<Spanned<BoxFields>>,
+    #[serde(default)]
+    frustum: Vec<Spanned<FrustumFields>>,
+    #[serde(default)]
+    cylinder: Vec<Spanned<CylinderFields>>,
+    #[serde(default)]
+    cone: Vec<Spanned<ConeFields>>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraFields {
+    eye: Point,
+    target: Point,
+    up: Option<Point>,
+    fov: Option<Real>,
+    frustum: Option<WindowFields>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WindowFields {
+    left: Real,
+    right: Real,
+    bottom: Real,
+    top: Real,
+    distance: Real,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LightFields {
+    position: Point,
+    color: Option<Point>,
+    #[serde(default = "yes")]
+    shadows: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialFields {
+    color: Option<Point>,
+    ambient: Option<Real>,
+    diffuse: Option<Real>,
+    specular: Option<Real>,
+    shininess: Option<Real>,
+    reflectance: Option<Real>,
+    transmittance: Option<Real>,
+    ior: Option<Real>,
+}
+
+/// A shape as it stands in the file.
+struct Entry<'a> {
+    start: usize,
+    material: &'a Spanned<String>,
+    shape: Shape,
+}
+
+/// The fields of one kind of shape.
+trait ShapeFields {
+    fn material(&self) -> &Spanned<String>;
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located>;
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SphereFields {
+    material: Spanned<String>,
+    center: Point,
+    radius: Real,
+}
+
+impl ShapeFields for SphereFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        Ok(Shape::Sphere {
+            center: check.point("a coordinate of the centre", &self.center)?,
+            radius: check.length("the radius", &self.radius)?,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlaneFields {
+    material: Spanned<String>,
+    point: Point,
+    normal: Point,
+}
+
+impl ShapeFields for PlaneFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        Ok(Shape::Plane {
+            point: check.point("a coordinate of the point", &self.point)?,
+            normal: check.point("a component of the normal", &self.normal)?,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PolygonFields {
+    material: Spanned<String>,
+    vertices: Spanned<Vec<Point>>,
+}
+
+impl ShapeFields for PolygonFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        let vertices = self.vertices.get_ref();
+        if vertices.len() > limits::VERTICES {
+            let place = check.places.start(&vertices[limits::VERTICES]);
+            return Err((place, too_many("corners", limits::VERTICES)));
+        }
+        if vertices.len() < 3 {
+            let problem = Problem::Contradiction("a polygon has at least 3 vertices");
+            return Err((check.places.start(&self.vertices), problem));
+        }
+        let vertices = vertices
+            .iter()
+            .map(|it| check.point("a coordinate of a vertex", it));
+        Ok(Shape::Polygon {
+            vertices: vertices.collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TriangleFields {
+    material: Spanned<String>,
+    vertices: [Point; 3],
+}
+
+impl ShapeFields for TriangleFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        Ok(Shape::Triangle {
+            vertices: check.points("a coordinate of a vertex", &self.vertices)?,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PatchFields {
+    material: Spanned<String>,
+    vertices: [Point; 3],
+    normals: [Point; 3],
+}
+
+impl ShapeFields for PatchFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        Ok(Shape::Patch {
+            vertices: check.points("a coordinate of a vertex", &self.vertices)?,
+            normals: check.points("a component of a normal", &self.normals)?,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoxFields {
+    material: Spanned<String>,
+    min: Point,
+    max: Point,
+}
+
+impl ShapeFields for BoxFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        Ok(Shape::Box {
+            min: check.point("a coordinate of min", &self.min)?,
+            max: check.point("a coordinate of max", &self.max)?,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrustumFields {
+    material: Spanned<String>,
+    base: Point,
+    base_radius: Real,
+    apex: Point,
+    apex_radius: Real,
+}
+
+impl ShapeFields for FrustumFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        Ok(Shape::Frustum {
+            base: check.point("a coordinate of the base", &self.base)?,
+            base_radius: check.length("the base radius", &self.base_radius)?,
+            apex: check.point("a coordinate of the apex", &self.apex)?,
+            apex_radius: check.length("the apex radius", &self.apex_radius)?,
+        })
+    }
+}
+
+/// A frustum of equal radii.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CylinderFields {
+    material: Spanned<String>,
+    base: Point,
+    apex: Point,
+    radius: Real,
+}
+
+impl ShapeFields for CylinderFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        Ok(Shape::Frustum {
+            base: check.point("a coordinate of the base", &self.base)?,
+            base_radius: check.length("the radius", &self.radius)?,
+            apex: check.point("a coordinate of the apex", &self.apex)?,
+            apex_radius: check.length("the radius", &self.radius)?,
+        })
+    }
+}
+
+/// A frustum that ends in a point.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ConeFields {
+    material: Spanned<String>,
+    base: Point,
+    base_radius: Real,
+    apex: Point,
+}
+
+impl ShapeFields for ConeFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        Ok(Shape::Frustum {
+            base: check.point("a coordinate of the base", &self.base)?,
+            base_radius: check.length("the base radius", &self.base_radius)?,
+            apex: check.point("a coordinate of the apex", &self.apex)?,
+            apex_radius: 0.0,
+        })
+    }
+}
+
+/// Checks numbers and remembers where they stand.
+struct Checker<'a> {
+    places: &'a Places<'a>,
+}
+
+impl Checker<'_> {
+    fn real(&self, what: &str, number: &Real, range: Range) -> Result<f64, Located> {
+        range
+            .check(what, number.get_ref().0)
+            .map_err(at(self.places.start(number)))
+    }
+
+    fn length(&self, what: &str, number: &Real) -> Result<f64, Located> {
+        self.real(what, number, Range::Length)
+    }
+
+    fn real_or(
+        &self,
+        what: &str,
+        number: &Option<Real>,
+        range: Range,
+        default: f64,
+    ) -> Result<f64, Located> {
+        number
+            .as_ref()
+            .map_or(Ok(default), |it| self.real(what, it, range))
+    }
+
+    fn triple(&self, what: &str, numbers: &Point, range: Range) -> Result<[f64; 3], Located> {
+        for number in numbers.get_ref() {
+            range
+                .check(what, number.0)
+                .map_err(at(self.places.start(numbers)))?;
+        }
+        Ok(numbers.get_ref().map(|it| it.0))
+    }
+
+    fn point(&self, what: &str, point: &Point) -> Result<[f64; 3], Located> {
+        self.triple(what, point, Range::Length)
+    }
+
+    fn color(&self, what: &str, color: &Option<Point>, default: f64) -> Result<[f64; 3], Located> {
+        color.as_ref().map_or(Ok([default; 3]), |it| {
+            self.triple(what, it, Range::Brightness)
+        })
+    }
+
+    fn points(&self, what: &str, points: &[Point; 3]) -> Result<[[f64; 3]; 3], Located> {
+        let [a, b, c] = points;
+        Ok([
+            self.point(what, a)?,
+            self.point(what, b)?,
+            self.point(what, c)?,
+        ])
+    }
+
+    /// Adds the shapes of one kind to those found.
+    fn gather<'f, F: ShapeFields>(
+        &self,
+        entries: &'f [Spanned<F>],
+        found: &mut Vec<Entry<'f>>,
+    ) -> Result<(), Located> {
+        for entry in entries {
+            found.push(Entry {
+                start: entry.span().start,
+                material: entry.get_ref().material(),
+                shape: entry.get_ref().shape(self)?,
+            });
+        }
+        Ok(())
+    }
+
+    fn whole(
+        &self,
+        what: &'static str,
+        number: u64,
+        most: usize,
+        place: Place,
+    ) -> Result<usize, Located> {
+        match usize::try_from(number) {
+            Ok(0) => Err((
+                place,
+                Problem::Unexpected {
+                    expected: format!("a number of {what} from 1 on"),
+                    found: "0".to_owned(),
+                },
+            )),
+            Ok(number) if number <= most => Ok(number),
+            _ => Err((place, Problem::TooMany { what, limit: most })),
+        }
+    }
+}
+
+impl Document {
+    fn fill(self, file: &mut SceneFile, places: &Places<'_>) -> Result<(), Located> {
+        let check = Checker { places };
+        if let Some(size) = &self.size {
+            let side = |it| {
+                let limit = limits::SIDE as usize;
+                check.whole("pixels to a side", it, limit, places.start(size))
+            };
+            let [width, height] = *size.get_ref();
+            file.size = Some([side(width)? as u32, side(height)? as u32]);
+        }
+        file.depth = match &self.depth {
+            Some(depth) => check.whole(
+                "rays in a chain",
+                *depth.get_ref(),
+                limits::DEPTH,
+                places.start(depth),
+            )?,
+            None => DEFAULT_DEPTH,
+        };
+        file.background = check.color("a component of the background", &self.background, 0.0)?;
+        file.ambient = check.color("a component of the ambient light", &self.ambient, 0.0)?;
+        if let Some(camera) = &self.camera {
+            file.camera = Some(camera.get_ref().read(&check, places.start(camera))?);
+        }
+        if self.light.len() > limits::LIGHTS {
+            let place = places.start(&self.light[limits::LIGHTS]);
+            return Err((place, too_many("lights", limits::LIGHTS)));
+        }
+        for light in &self.light {
+            let fields = light.get_ref();
+            file.lights.push(Light {
+                place: places.start(light),
+                position: check.point("a coordinate of the light", &fields.position)?,
+                color: check.color("a component of the light's colour", &fields.color, 1.0)?,
+                shadows: self.shadows && fields.shadows,
+            });
+        }
+        let names = self.read_materials(file, &check)?;
+        self.read_objects(file, &check, &names)
+    }
+
+    /// The materials, and which of them each name means.
+    fn read_materials(
+        &self,
+        file: &mut SceneFile,
+        check: &Checker<'_>,
+    ) -> Result<HashMap<String, usize>, Located> {
+        let mut materials: Vec<_> = self.material.iter().collect();
+        materials.sort_by_key(|(name, _)| name.span().start);
+        if materials.len() > limits::MATERIALS {
+            let place = check.places.start(materials[limits::MATERIALS].0);
+            return Err((place, too_many("materials", limits::MATERIALS)));
+        }
+        let mut names = HashMap::new();
+        for (name, fields) in materials {
+            let material = fields.read(check, check.places.start(name), name.get_ref())?;
+            names.insert(name.get_ref().clone(), file.materials.len());
+            file.materials.push(material);
+        }
+        Ok(names)
+    }
+
+    fn read_objects(
+        &self,
+        file: &mut SceneFile,
+        check: &Checker<'_>,
+        names: &HashMap<String, usize>,
+    ) -> Result<(), Located> {
+        let mut found = Vec::new();
+        check.gather(&self.sphere, &mut found)?;
+        check.gather(&self.plane, &mut found)?;
+        check.gather(&self.polygon, &mut found)?;
+        check.gather(&self.triangle, &mut found)?;
+        check.gather(&self.patch, &mut found)?;
+        check.gather(&self.cuboid, &mut found)?;
+        check.gather(&self.frustum, &mut found)?;
+        check.gather(&self.cylinder, &mut found)?;
+        check.gather(&self.cone, &mut found)?;
+        found.sort_by_key(|it| it.start);
+        if found.len() > limits::OBJECTS {
+            let place = check.places.of(found[limits::OBJECTS].start);
+            return Err((place, too_many("objects", limits::OBJECTS)));
+        }
+        for (index, entry) in found.into_iter().enumerate() {
+            let name = entry.material;
+            let material = *names.get(name.get_ref()).ok_or_else(|| {
+                let problem = Problem::UnknownMaterial(excerpt(name.get_ref().as_bytes()));
+                (check.places.start(name), problem)
+            })?;
+            file.objects.push(Object {
+                place: check.places.of(entry.start),
+                index,
+                material,
+                shape: entry.shape,
+            });
+        }
+        Ok(())
+    }
+}
+
+impl CameraFields {
+    fn read(&self, check: &Checker<'_>, place: Place) -> Result<Camera, Located> {
+        let lens = match (&self.fov, &self.frustum) {
+            (Some(fov), None) => Lens::Vertical {
+                degrees: check.real("the field of view", fov, Range::Angle)?,
+            },
+            (None, Some(window)) => {
+                let edge = |it| check.length("an edge of the frustum", it);
+                Lens::Frustum {
+                    left: edge(&window.left)?,
+                    right: edge(&window.right)?,
+                    bottom: edge(&window.bottom)?,
+                    top: edge(&window.top)?,
+                    distance: check.length("the distance", &window.distance)?,
+                }
+            }
+            (None, None) => {
+                let problem = "a camera needs either `fov` or `frustum`";
+                return Err((place, Problem::Contradiction(problem)));
+            }
+            (Some(fov), Some(_)) => {
+                let problem = "a camera has either `fov` or `frustum`, not both";
+                return Err((check.places.start(fov), Problem::Contradiction(problem)));
+            }
+        };
+        let up = self.up.as_ref();
+        Ok(Camera {
+            place,
+            eye: check.point("a coordinate of the eye", &self.eye)?,
+            target: check.point("a coordinate of the target", &self.target)?,
+            up: up.map_or(Ok([0.0, 1.0, 0.0]), |it| {
+                check.point("a component of up", it)
+            })?,
+            lens,
+        })
+    }
+}
+
+impl MaterialFields {
+    fn read(&self, check: &Checker<'_>, place: Place, name: &str) -> Result<Material, Located> {
+        use Range::{Brightness, Exponent, Refraction, Share};
+        let transmittance = check.real_or("the transmittance", &self.transmittance, Share, 0.0)?;
+        let ior = check.real_or("the index of refraction", &self.ior, Refraction, 1.5)?;
+        Ok(Material {
+            place,
+            name: name.to_owned(),
+            color: check.color("a component of the colour", &self.color, 1.0)?,
+            ambient: check.real_or("the ambient share", &self.ambient, Brightness, 1.0)?,
+            diffuse: check.real_or("the diffuse share", &self.diffuse, Brightness, 1.0)?,
+            specular: check.real_or("the specular share", &self.specular, Brightness, 0.0)?,
+            shininess: check.real_or("the shininess", &self.shininess, Exponent, 50.0)?,
+            reflectance: check.real_or("the reflectance", &self.reflectance, Share, 0.0)?,
+            transmittance,
+            ior: if transmittance > 0.0 { ior } else { 1.0 },
+        })
+    }
+}
+
+fn too_many(what: &'static str, limit: usize) -> Problem {
+    Problem::TooMany { what, limit }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<SceneFile, String> {
+        parse(Path::new("t.toml"), text).map_err(|it| it.to_string())
+    }
+
+    #[test]
+    fn shapes_of_all_kinds_keep_their_order_in_the_file() {
+        let file = read(
+            "[material.a]\n\
+             [[cone]]\nmaterial='a'\nbase=[0,0,0]\nbase_radius=1\napex=[0,1,0]\n\
+             [[sphere]]\nmaterial='a'\ncenter=[0,0,0]\nradius=1\n\
+             [[cone]]\nmaterial='a'\nbase=[0,0,0]\nbase_radius=2\napex=[0,1,0]\n",
+        )
+        .unwrap();
+        let found: Vec<_> = file
+            .objects
+            .iter()
+            .map(|it| (it.index, it.shape.name(), it.place.line))
+            .collect();
+        assert_eq!(
+            found,
+            [(0, "frustum", 2), (1, "sphere", 7), (2, "frustum", 11)]
+        );
+    }
+
+    #[test]
+    fn defaults_are_those_of_scenes_md() {
+        let file = read("[material.a]\n[[light]]\nposition=[1,2,3]\n[camera]\neye=[0,0,1]\ntarget=[0,0,0]\nfov=40").unwrap();
+        assert_eq!(file.materials[0].color, [1.0; 3]);
+        let it = &file.materials[0];
+        assert_eq!(
+            (it.ambient, it.diffuse, it.specular, it.shininess),
+            (1.0, 1.0, 0.0, 50.0)
+        );
+        assert_eq!((it.reflectance, it.transmittance, it.ior), (0.0, 0.0, 1.0));
+        assert_eq!(
+            (file.lights[0].color, file.lights[0].shadows),
+            ([1.0; 3], true)
+        );
+        let camera = file.camera.unwrap();
+        assert_eq!(
+            (camera.up, camera.lens),
+            ([0.0, 1.0, 0.0], Lens::Vertical { degrees: 40.0 })
+        );
+        assert_eq!((file.depth, file.size), (5, None));
+        assert_eq!((file.background, file.ambient), ([0.0; 3], [0.0; 3]));
+    }
+
+    #[test]
+    fn shadows_are_off_for_all_lights_or_for_one() {
+        let lights = "[[light]]\nposition=[1,2,3]\n[[light]]\nposition=[1,2,3]\nshadows=false";
+        let of = |text: &str| -> Vec<bool> {
+            read(text)
+                .unwrap()
+                .lights
+                .iter()
+                .map(|it| it.shadows)
+                .collect()
+        };
+        assert_eq!(of(lights), [true, false]);
+        assert_eq!(of(&format!("shadows=false\n{lights}")), [false, false]);
+    }
+
+    #[test]
+    fn errors_name_the_place_and_the_reason() {
+        let camera = |fields: &str| format!("[camera]\neye = [0, 0, 1]\n{fields}");
+        let shape = |kind: &str, fields: &str| format!("[[{kind}]]\nmaterial = 'a'\n{fields}");
+        let cases = [
+            (
+                "colour = 1",
+                "1:1: unknown field `colour`, expected one of `size`, `depth`, `shadows`, \
+                 `background`, `ambient`, `camera`, `light`, `material`, `sphere`, `plane`, \
+                 `polygon`, `triangle`, `patch`, `box`, `frustum`, `cylinder`, `cone`",
+            ),
+            ("depth = 2\ndepth = 3", "2:1: duplicate key"),
+            ("background = [1, 2", "1:19: unclosed array, expected `]`"),
+            (
+                "background = [1, 2]",
+                "1:14: invalid length 2, expected an array of length 3",
+            ),
+            (
+                "ambient = [1, 2, '']",
+                "1:18: invalid type: string \"\", expected a number",
+            ),
+            (
+                "ambient = [1, 2, nan]",
+                "1:11: a component of the ambient light is NaN: not between 0 and 1048576",
+            ),
+            (
+                "size = [0, 4]",
+                "1:8: expected a number of pixels to a side from 1 on, found `0`",
+            ),
+            ("size = [4, 99999]", "1:8: more than 16384 pixels to a side"),
+            (
+                "size = [4, -9]",
+                "1:12: invalid value: integer `-9`, expected u64",
+            ),
+            ("depth = 33", "1:9: more than 32 rays in a chain"),
+            (
+                "shadows = 1",
+                "1:11: invalid type: integer `1`, expected a boolean",
+            ),
+            (&camera(""), "1:1: missing field `target`"),
+            (
+                &camera("target = [0, 0, 0]"),
+                "1:1: a camera needs either `fov` or `frustum`",
+            ),
+            (
+                &camera("target = [0, 0, 0]\nfov = 180"),
+                "4:7: the field of view is 180.0: not between 0 and 180 degrees",
+            ),
+            (
+                &camera(
+                    "target = [0, 0, 0]\nfov = 18\n\
+                     frustum = { left = 0, right = 1, bottom = 0, top = 1, distance = 1 }",
+                ),
+                "4:7: a camera has either `fov` or `frustum`, not both",
+            ),
+            (
+                &camera("target = [0, 0, 0]\nzoom = 3"),
+                "4:1: unknown field `zoom`, expected one of `eye`, `target`, `up`, `fov`, `frustum`",
+            ),
+            ("[material.a]\n[material.a]", "2:11: duplicate key"),
+            (
+                "[material.a]\nreflectance = 1.5",
+                "2:15: the reflectance is 1.5: not between 0 and 1",
+            ),
+            (
+                "[material.a]\nglow = 1",
+                "2:1: unknown field `glow`, expected one of `color`, `ambient`, `diffuse`, \
+                 `specular`, `shininess`, `reflectance`, `transmittance`, `ior`",
+            ),
+            (
+                &shape("sphere", "center = [0, 0, 0]"),
+                "1:1: missing field `radius`",
+            ),
+            (
+                &shape("sphere", "center = [0, 0, 0]\nradius = 1"),
+                "2:12: no material is named `a`",
+            ),
+            (
+                &shape("sphere", "center = [0, 0, 0]\nradius = 1e39"),
+                "4:10: the radius is 1e39: not a finite 32-bit float",
+            ),
+            (
+                &shape("sphere", "center = [0, 0, 0]\nradius = 1\nheight = 1"),
+                "5:1: unknown field `height`, expected one of `material`, `center`, `radius`",
+            ),
+            (
+                &shape("polygon", "vertices = [[0, 0, 0], [1, 0, 0]]"),
+                "3:12: a polygon has at least 3 vertices",
+            ),
+            (
+                &shape("triangle", "vertices = [[0, 0, 0], [1, 0, 0]]"),
+                "3:12: invalid length 2, expected an array of length 3",
+            ),
+            (
+                "[sphere]\nradius = 1",
+                "1:1: invalid type: map, expected a sequence",
+            ),
+        ];
+        for (text, message) in cases {
+            let error = read(text).err().unwrap_or_default();
+            assert_eq!(error, format!("t.toml:{message}"), "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_may_be_integers_of_any_size() {
+        let file = read("[[light]]\nposition = [1, -100000000000000000000, 2.5]").unwrap();
+        assert_eq!(file.lights[0].position, [1.0, -1e20, 2.5]);
+    }
+}
