@@ -1,0 +1,366 @@
+//! A ladder of scenes: each names one thing more than the one before it.
+//!
+//! Every rung has its own material type, and so its own statics; shapes and colors are shared.
+
+use embedded_graphics::draw_target::DrawTarget;
+use embedded_graphics::pixelcolor::{Rgb565, RgbColor};
+use embedded_graphics::prelude::{Point, Size};
+use embedded_graphics::primitives::Rectangle;
+use glam::Vec3;
+use whitted::{
+    Counters, Cuboid, FillLight, Frustum, Geometry, Glass, Light, Material, Mirror, Object,
+    Objects, Patch, Phong, PhongReal, Plane, Polygon, Scene, Sphere, Triangle, View,
+};
+
+use super::{Frame, Visitor, level_view};
+
+const VIEW: View = level_view(Vec3::new(0.0, 1.25, 3.0));
+const BACKGROUND: Vec3 = Vec3::new(0.25, 0.375, 0.5);
+const AMBIENT: Vec3 = Vec3::ONE;
+const LIGHT: Vec3 = Vec3::new(4.0, 6.0, 3.0);
+
+const BALLS: [Sphere; 3] = [
+    Sphere {
+        center: Vec3::new(-1.5, 0.75, -2.0),
+        radius: 0.75,
+    },
+    Sphere {
+        center: Vec3::new(0.25, 1.0, -3.0),
+        radius: 1.0,
+    },
+    Sphere {
+        center: Vec3::new(1.0, 0.5, -1.0),
+        radius: 0.5,
+    },
+];
+const FLOOR: Plane = Plane {
+    point: Vec3::ZERO,
+    normal: Vec3::Y,
+};
+const SIGN: Polygon = Polygon {
+    vertices: &[
+        Vec3::new(-2.5, 1.0, -4.0),
+        Vec3::new(-1.5, 1.0, -4.0),
+        Vec3::new(-2.0, 1.75, -4.0),
+        Vec3::new(-1.5, 2.5, -4.0),
+        Vec3::new(-2.5, 2.5, -4.0),
+    ],
+    normal: Vec3::Z,
+};
+const CRATE: Cuboid = Cuboid {
+    min: Vec3::new(1.75, 0.0, -4.0),
+    max: Vec3::new(2.75, 1.5, -3.0),
+};
+const BUCKET: Frustum = Frustum {
+    base: Vec3::new(-0.625, 0.0, -0.75),
+    axis: Vec3::Y,
+    length: 0.5,
+    base_radius: 0.125,
+    slope: 0.25,
+};
+const FLAG: Triangle = Triangle {
+    vertices: [
+        Vec3::new(1.25, 1.75, -4.0),
+        Vec3::new(2.25, 2.0, -4.0),
+        Vec3::new(1.25, 2.5, -4.0),
+    ],
+    normal: Vec3::Z,
+};
+const SAIL: Patch = Patch {
+    vertices: [
+        Vec3::new(-0.5, 2.25, -4.0),
+        Vec3::new(1.0, 2.25, -4.0),
+        Vec3::new(0.25, 3.0, -4.0),
+    ],
+    normals: [
+        Vec3::new(-0.6, 0.0, 0.8),
+        Vec3::new(0.6, 0.0, 0.8),
+        Vec3::new(0.0, 0.6, 0.8),
+    ],
+    normal: Vec3::Z,
+};
+
+/// What the terms of a rung's materials are; `()` is none.
+struct Terms<H, R, T> {
+    highlight: H,
+    plain: R,
+    mirror: R,
+    opaque: T,
+    clear: T,
+}
+
+/// Colors by what they are on. The second ball mirrors and the third is clear where a rung can.
+#[derive(Clone, Copy)]
+enum Paint {
+    Red,
+    Silver,
+    Clear,
+    Stone,
+    Wood,
+}
+
+const fn material<H: Copy, R: Copy, T: Copy>(
+    paint: Paint,
+    terms: &Terms<H, R, T>,
+) -> Material<H, R, T> {
+    let (color, diffuse, reflection, transmission) = match paint {
+        Paint::Red => (
+            Vec3::new(0.75, 0.25, 0.125),
+            0.75,
+            terms.plain,
+            terms.opaque,
+        ),
+        Paint::Silver => (
+            Vec3::new(0.75, 0.75, 0.875),
+            0.5,
+            terms.mirror,
+            terms.opaque,
+        ),
+        Paint::Clear => (Vec3::new(0.5, 0.875, 0.625), 0.25, terms.plain, terms.clear),
+        Paint::Stone => (Vec3::new(0.5, 0.5, 0.5), 0.75, terms.plain, terms.opaque),
+        Paint::Wood => (Vec3::new(0.625, 0.5, 0.25), 0.75, terms.plain, terms.opaque),
+    };
+    Material {
+        color,
+        ambient: 0.125,
+        diffuse,
+        highlight: terms.highlight,
+        reflection,
+        transmission,
+    }
+}
+
+/// One rung: the statics that its geometry names, and the frame.
+macro_rules! rung {
+    (
+        $(#[$doc:meta])* $module:ident::$frame:ident,
+        Material<$highlight:ty, $reflection:ty, $transmission:ty> = $terms:expr,
+        $light:ident, depth $depth:literal,
+        $geometry:ty = $value:expr
+    ) => {
+        // A rung names some of the statics; the others do not reach the binary.
+        #[allow(dead_code)]
+        mod $module {
+            use super::*;
+
+            pub type M = Material<$highlight, $reflection, $transmission>;
+            const TERMS: Terms<$highlight, $reflection, $transmission> = $terms;
+            static RED: M = material(Paint::Red, &TERMS);
+            static SILVER: M = material(Paint::Silver, &TERMS);
+            static CLEAR: M = material(Paint::Clear, &TERMS);
+            static STONE: M = material(Paint::Stone, &TERMS);
+            static WOOD: M = material(Paint::Wood, &TERMS);
+
+            pub static BALLS: [Object<Sphere, M>; 3] = [
+                Object { shape: super::BALLS[0], material: &RED },
+                Object { shape: super::BALLS[1], material: &SILVER },
+                Object { shape: super::BALLS[2], material: &CLEAR },
+            ];
+            pub static FLOORS: [Object<Plane, M>; 1] = [Object { shape: FLOOR, material: &STONE }];
+            pub static SIGNS: [Object<Polygon, M>; 1] = [Object { shape: SIGN, material: &WOOD }];
+            pub static CRATES: [Object<Cuboid, M>; 1] = [Object { shape: CRATE, material: &WOOD }];
+            pub static BUCKETS: [Object<Frustum, M>; 1] = [Object { shape: BUCKET, material: &RED }];
+            pub static FLAGS: [Object<Triangle, M>; 1] = [Object { shape: FLAG, material: &RED }];
+            pub static SAILS: [Object<Patch, M>; 1] = [Object { shape: SAIL, material: &STONE }];
+
+            static LIGHTS: [$light; 1] = [$light { position: LIGHT, color: Vec3::ONE }];
+            pub static SCENE: Scene<'static, $geometry, $light> = Scene {
+                geometry: $value,
+                lights: &LIGHTS,
+                background: BACKGROUND,
+                ambient: AMBIENT,
+            };
+        }
+        frame!($(#[$doc])* $frame = &$module::SCENE, VIEW, $depth);
+    };
+}
+
+const MATTE: Terms<(), (), ()> = Terms {
+    highlight: (),
+    plain: (),
+    mirror: (),
+    opaque: (),
+    clear: (),
+};
+const SHINY: Phong = Phong {
+    specular: 0.5,
+    shininess: 30,
+};
+const GLOSSY: Terms<Phong, (), ()> = Terms {
+    highlight: SHINY,
+    plain: (),
+    mirror: (),
+    opaque: (),
+    clear: (),
+};
+const DULL: Mirror = Mirror { reflectance: 0.0 };
+const BRIGHT: Mirror = Mirror { reflectance: 0.5 };
+const MIRRORING: Terms<Phong, Mirror, ()> = Terms {
+    highlight: SHINY,
+    plain: DULL,
+    mirror: BRIGHT,
+    opaque: (),
+    clear: (),
+};
+const OPAQUE: Glass = Glass {
+    transmittance: 0.0,
+    ior: 1.0,
+};
+const CLEAR: Glass = Glass {
+    transmittance: 0.75,
+    ior: 1.5,
+};
+const REFRACTING: Terms<Phong, Mirror, Glass> = Terms {
+    highlight: SHINY,
+    plain: DULL,
+    mirror: BRIGHT,
+    opaque: OPAQUE,
+    clear: CLEAR,
+};
+const EVERYTHING: Terms<PhongReal, Mirror, Glass> = Terms {
+    highlight: PhongReal {
+        specular: 0.5,
+        shininess: 30.5,
+    },
+    plain: DULL,
+    mirror: BRIGHT,
+    opaque: OPAQUE,
+    clear: CLEAR,
+};
+
+rung!(
+    /// Spheres under a light that casts no shadows.
+    matte::Matte, Material<(), (), ()> = MATTE, FillLight, depth 1,
+    Objects<Sphere, M> = &BALLS
+);
+rung!(
+    /// The spheres with shadows, and nothing else: no rung, but a goal of its own.
+    matte_shadows::MatteShadows, Material<(), (), ()> = MATTE, Light, depth 1,
+    Objects<Sphere, M> = &BALLS
+);
+rung!(
+    /// And a plane.
+    floor::Floor, Material<(), (), ()> = MATTE, FillLight, depth 1,
+    (Objects<Sphere, M>, Objects<Plane, M>) = (&BALLS, &FLOORS)
+);
+rung!(
+    /// And shadows.
+    shadows::Shadows, Material<(), (), ()> = MATTE, Light, depth 1,
+    (Objects<Sphere, M>, Objects<Plane, M>) = (&BALLS, &FLOORS)
+);
+rung!(
+    /// And highlights.
+    highlight::Highlight, Material<Phong, (), ()> = GLOSSY, Light, depth 1,
+    (Objects<Sphere, M>, Objects<Plane, M>) = (&BALLS, &FLOORS)
+);
+rung!(
+    /// And a polygon.
+    polygon::WithPolygon, Material<Phong, (), ()> = GLOSSY, Light, depth 1,
+    ((Objects<Sphere, M>, Objects<Plane, M>), Objects<Polygon<'static>, M>) =
+        ((&BALLS, &FLOORS), &SIGNS)
+);
+rung!(
+    /// And a box.
+    cuboid::WithCuboid, Material<Phong, (), ()> = GLOSSY, Light, depth 1,
+    (
+        ((Objects<Sphere, M>, Objects<Plane, M>), Objects<Polygon<'static>, M>),
+        Objects<Cuboid, M>
+    ) = (((&BALLS, &FLOORS), &SIGNS), &CRATES)
+);
+
+type FiveKinds<M> = (
+    (
+        (Objects<Sphere, M>, Objects<Plane, M>),
+        Objects<Polygon<'static>, M>,
+    ),
+    (Objects<Cuboid, M>, Objects<Frustum, M>),
+);
+
+rung!(
+    /// And a frustum.
+    frustum::WithFrustum, Material<Phong, (), ()> = GLOSSY, Light, depth 1,
+    FiveKinds<M> = (((&BALLS, &FLOORS), &SIGNS), (&CRATES, &BUCKETS))
+);
+rung!(
+    /// And mirrors.
+    mirrors::Mirrors, Material<Phong, Mirror, ()> = MIRRORING, Light, depth 5,
+    FiveKinds<M> = (((&BALLS, &FLOORS), &SIGNS), (&CRATES, &BUCKETS))
+);
+rung!(
+    /// And glass.
+    refraction::Refraction, Material<Phong, Mirror, Glass> = REFRACTING, Light, depth 5,
+    FiveKinds<M> = (((&BALLS, &FLOORS), &SIGNS), (&CRATES, &BUCKETS))
+);
+rung!(
+    /// And all there is besides: triangles, patches, exponents that are not whole.
+    everything::Everything, Material<PhongReal, Mirror, Glass> = EVERYTHING, Light, depth 5,
+    (FiveKinds<M>, (Objects<Triangle, M>, Objects<Patch, M>)) = (
+        (((&BALLS, &FLOORS), &SIGNS), (&CRATES, &BUCKETS)),
+        (&FLAGS, &SAILS)
+    )
+);
+rung!(
+    /// Spheres, a plane, mirrors and glass: no rung, but the stack's goal.
+    spheres_and_plane::SpheresAndPlane, Material<Phong, Mirror, Glass> = REFRACTING, Light, depth 5,
+    (Objects<Sphere, M>, Objects<Plane, M>) = (&BALLS, &FLOORS)
+);
+
+/// A frame made from the rays alone.
+macro_rules! ray_frame {
+    ($(#[$doc:meta])* $frame:ident = $color:expr) => {
+        $(#[$doc])*
+        pub struct $frame;
+
+        impl Frame for $frame {
+            const VIEW: View = VIEW;
+
+            #[inline(always)]
+            fn row(y: u32, row: &mut [Vec3]) {
+                for (pixel, ray) in row.iter_mut().zip(VIEW.rays(y)) {
+                    *pixel = $color(&ray);
+                }
+            }
+
+            fn draw<D: DrawTarget<Color = Rgb565>>(display: &mut D) -> Result<(), D::Error> {
+                let area = Rectangle::new(Point::zero(), Size::new(VIEW.width, VIEW.height));
+                let rays = (0..VIEW.height).flat_map(|y| VIEW.rays(y));
+                let is_lit = |ray| $color(&ray).x > 0.0;
+                let colors = rays.map(|ray| if is_lit(ray) { Rgb565::WHITE } else { Rgb565::BLACK });
+                display.fill_contiguous(&area, colors)
+            }
+
+            fn count() -> Counters {
+                Counters::default()
+            }
+        }
+    };
+}
+
+ray_frame!(
+    /// The camera alone: the directions of its rays.
+    Rays = |ray: &whitted::Ray| ray.direction
+);
+ray_frame!(
+    /// The geometry query alone: how far away one sphere is.
+    Query = |ray: &whitted::Ray| {
+        static BALL: [Object<Sphere, ()>; 1] = [Object { shape: BALLS[1], material: &() }];
+        Vec3::splat(BALL.as_slice().closest_hit(ray).map_or(0.0, |hit| hit.t))
+    }
+);
+
+pub(super) fn visit_all(visitor: &mut impl Visitor) {
+    visitor.visit::<Rays>("rays");
+    visitor.visit::<Query>("query");
+    visitor.visit::<Matte>("matte");
+    visitor.visit::<Floor>("floor");
+    visitor.visit::<Shadows>("shadows");
+    visitor.visit::<Highlight>("highlight");
+    visitor.visit::<WithPolygon>("polygon");
+    visitor.visit::<WithCuboid>("cuboid");
+    visitor.visit::<WithFrustum>("frustum");
+    visitor.visit::<Mirrors>("mirrors");
+    visitor.visit::<Refraction>("glass");
+    visitor.visit::<Everything>("everything");
+    visitor.visit::<MatteShadows>("matte-shadows");
+    visitor.visit::<SpheresAndPlane>("spheres-and-plane");
+}

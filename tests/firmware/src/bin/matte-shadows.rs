@@ -1,0 +1,5 @@
+//! Spheres and their shadows.
+#![no_std]
+#![no_main]
+
+whitted_firmware::program!(whitted_firmware::scenes::ladder::MatteShadows);

@@ -1,0 +1,5 @@
+//! Matte spheres without shadows.
+#![no_std]
+#![no_main]
+
+whitted_firmware::program!(whitted_firmware::scenes::ladder::Matte);

@@ -1,0 +1,5 @@
+//! And a polygon.
+#![no_std]
+#![no_main]
+
+whitted_firmware::program!(whitted_firmware::scenes::ladder::WithPolygon);

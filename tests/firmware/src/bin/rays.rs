@@ -1,0 +1,5 @@
+//! The camera alone.
+#![no_std]
+#![no_main]
+
+whitted_firmware::program!(whitted_firmware::scenes::ladder::Rays);

@@ -1,0 +1,162 @@
+//! Programs that draw a scene on a bare target and report its checksums.
+//!
+//! The report is made without `core::fmt`, and the panic handler calls a function that does not
+//! exist: a program links only if no panic can be reached from it. So one binary is at once what
+//! is measured (flash, stack, instructions), what is proved free of panics, and what draws the
+//! picture that is compared.
+//!
+//! A program is built in one of three ways. Plain: rows of floats in a buffer of one row. With the
+//! feature `panel`: through embedded-graphics onto the stand-in of a display. With `counters`: the
+//! rays and hits are counted and nothing is shown.
+
+#![no_std]
+
+#[cfg_attr(
+    any(target_arch = "arm", target_arch = "riscv32"),
+    path = "platform/semihosting.rs"
+)]
+#[cfg_attr(target_arch = "wasm32", path = "platform/wasm.rs")]
+pub mod platform;
+#[cfg(not(target_arch = "wasm32"))]
+mod stack;
+
+mod checksum;
+pub mod panel;
+#[path = "../scenes/mod.rs"]
+pub mod scenes;
+
+pub use glam::Vec3;
+
+use core::hint::black_box;
+
+use checksum::Checksums;
+use panel::Panel;
+use scenes::Frame;
+
+/// Calls `draw` and reports how deep the stack became below this function's frame.
+#[inline(always)]
+fn watch_stack(draw: impl FnOnce()) {
+    #[cfg(not(target_arch = "wasm32"))]
+    let paint = stack::Paint::below_here();
+    draw();
+    #[cfg(not(target_arch = "wasm32"))]
+    report("stack", paint.depth() as u64);
+}
+
+/// Draws a frame with `render_row` and reports its checksums.
+///
+/// `row` is what a display driver would send from; it lives in the program's static memory.
+#[inline(always)]
+pub fn draw_rows<F: Frame>(row: &mut [Vec3], render_row: impl Fn(u32, &mut [Vec3])) {
+    let mut checksums = Checksums::default();
+    watch_stack(|| {
+        for y in 0..F::VIEW.height {
+            // What is measured knows neither where the row lies nor what becomes of it.
+            render_row(y, black_box(&mut *row));
+            checksums.add_row(black_box(row));
+        }
+    });
+    report("f32", checksums.float());
+    report("8-bit", checksums.byte());
+}
+
+/// Draws a frame onto a panel with `render` and reports the panel's checksum.
+#[inline(always)]
+pub fn draw_panel(panel: &mut Panel, render: impl Fn(&mut Panel)) {
+    watch_stack(|| render(black_box(&mut *panel)));
+    report("565", panel.checksum());
+}
+
+/// Reports a frame's counters.
+pub fn count<F: Frame>() {
+    let counters = F::count();
+    report("primary", counters.primary);
+    report("reflected", counters.reflected);
+    report("refracted", counters.refracted);
+    report("shadow", counters.shadow);
+    report("hits", counters.hits);
+}
+
+/// Writes `name`, a space, `value` in hexadecimal and a line break.
+fn report(name: &str, value: u64) {
+    for &byte in name.as_bytes() {
+        platform::put(byte);
+    }
+    platform::put(b' ');
+    for nibble in (0..16).rev() {
+        let digit = (value >> (4 * nibble)) as u8 & 15;
+        platform::put(if digit < 10 {
+            b'0' + digit
+        } else {
+            b'a' - 10 + digit
+        });
+    }
+    platform::put(b'\n');
+}
+
+/// Makes the program that draws `$frame`.
+///
+/// `render_row`, or `render_panel`, keeps its name and is not inlined: it is what the tools count,
+/// price and bound.
+#[cfg(not(any(feature = "panel", feature = "counters")))]
+#[macro_export]
+macro_rules! program {
+    ($frame:ty) => {
+        #[unsafe(no_mangle)]
+        #[inline(never)]
+        extern "C" fn render_row(y: u32, row: &mut [$crate::Vec3; WIDTH]) {
+            <$frame as $crate::scenes::Frame>::row(y, row);
+        }
+
+        const WIDTH: usize = <$frame as $crate::scenes::Frame>::VIEW.width as usize;
+        static mut ROW: [$crate::Vec3; WIDTH] = [$crate::Vec3::ZERO; WIDTH];
+
+        $crate::entry!({
+            // SAFETY: the program starts once and has one thread.
+            let row = unsafe { &mut *(&raw mut ROW) };
+            $crate::draw_rows::<$frame>(row, |y, row| {
+                if let Ok(row) = row.try_into() {
+                    render_row(y, row);
+                }
+            });
+        });
+    };
+}
+
+/// As the plain form.
+#[cfg(feature = "panel")]
+#[macro_export]
+macro_rules! program {
+    ($frame:ty) => {
+        #[unsafe(no_mangle)]
+        #[inline(never)]
+        extern "C" fn render_panel(panel: &mut $crate::panel::Panel) {
+            let Ok(()) = <$frame as $crate::scenes::Frame>::draw(panel);
+        }
+
+        static mut PANEL: $crate::panel::Panel = $crate::panel::Panel::new();
+
+        $crate::entry!({
+            // SAFETY: the program starts once and has one thread.
+            let panel = unsafe { &mut *(&raw mut PANEL) };
+            $crate::draw_panel(panel, |panel| render_panel(panel));
+        });
+    };
+}
+
+/// As the plain form.
+#[cfg(feature = "counters")]
+#[macro_export]
+macro_rules! program {
+    ($frame:ty) => {
+        $crate::entry!({ $crate::count::<$frame>() });
+    };
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    unsafe extern "C" {
+        safe fn a_panic_is_reachable() -> !;
+    }
+    a_panic_is_reachable()
+}
