@@ -4,8 +4,8 @@
 //! one. That is all a scene is made of; what its type does not name is not compiled.
 
 use crate::material::{Finish, Transmission};
-use crate::math::{Exact, Math, Transmittance};
-use crate::ray::{Hit, Ray};
+use crate::math::{self, Exact, Math, Transmittance};
+use crate::ray::{Hit, Ray, Side};
 use crate::shape::Shape;
 use glam::Vec3;
 
@@ -137,6 +137,16 @@ pub trait Geometry {
     }
 }
 
+/// Which object the ray leaves, counted from `first`, and on which side. No slice has an object at
+/// `usize::MAX`, the answer where it leaves none, so that loops compare one number an object.
+#[inline(always)]
+fn departure(ray: &Ray, first: usize) -> (usize, Option<Side>) {
+    match ray.departure {
+        Some(departure) => (departure.object.wrapping_sub(first), Some(departure.side)),
+        None => (usize::MAX, None),
+    }
+}
+
 impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
     type Material = M;
 
@@ -148,12 +158,14 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
     #[inline]
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
         let setup = S::setup(ray);
+        let (left, side) = departure(ray, first);
         let mut nearest = None;
         for (index, object) in self.iter().enumerate() {
-            let index = first + index;
-            if let Some(t) = object.shape.intersect::<P>(ray, &setup, ray.leaves(index)) {
+            math::keep_rolled();
+            let leaving = if index == left { side } else { None };
+            if let Some(t) = object.shape.intersect::<P>(ray, &setup, leaving) {
                 ray.t_max = t;
-                nearest = Some(index);
+                nearest = Some(first + index);
             }
         }
         nearest
@@ -174,8 +186,10 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
     #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
         let setup = S::setup(ray);
+        let (left, side) = departure(ray, first);
         self.iter().enumerate().any(|(index, object)| {
-            let leaving = ray.leaves(first + index);
+            math::keep_rolled();
+            let leaving = if index == left { side } else { None };
             object.shape.intersect::<P>(ray, &setup, leaving).is_some()
         })
     }
@@ -186,8 +200,10 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
         M: Finish,
     {
         let setup = S::setup(ray);
+        let (left, side) = departure(ray, first);
         self.iter().enumerate().any(|(index, object)| {
-            let leaving = ray.leaves(first + index);
+            math::keep_rolled();
+            let leaving = if index == left { side } else { None };
             let times = object.shape.crossings::<P>(ray, &setup, leaving);
             let factor = object.material.transmission().transmittance();
             if times > 0 && factor > 0.0 {
@@ -286,10 +302,10 @@ impl<G: Geometry + ?Sized> Geometry for &G {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Departure;
     use crate::material::{Glass, Material};
     use crate::shape::plane::Plane;
     use crate::shape::sphere::Sphere;
-    use crate::{Departure, Side};
 
     const RED: Material = Material::matte(Vec3::X, 0.0, 1.0);
     const BLUE: Material = Material::matte(Vec3::Z, 0.0, 1.0);

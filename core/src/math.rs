@@ -134,6 +134,19 @@ pub fn sqrt(x: f32) -> f32 {
     }
 }
 
+/// Keeps the loop that calls it from being unrolled on microcontrollers; no instruction.
+///
+/// LLVM unrolls small loops four times for Cortex-M. Most scenes have one plane, and flash is dear.
+#[inline(always)]
+#[allow(unsafe_code)]
+pub(crate) fn keep_rolled() {
+    #[cfg(all(target_os = "none", any(target_arch = "arm", target_arch = "riscv32")))]
+    // SAFETY: an empty template.
+    unsafe {
+        core::arch::asm!("", options(nomem, nostack, preserves_flags));
+    }
+}
+
 /// `x` to a whole power by repeated squaring; at most 32 rounds.
 #[inline]
 fn powi(mut x: f32, mut n: u32) -> f32 {

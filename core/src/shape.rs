@@ -75,15 +75,3 @@ pub trait Shape {
     /// Unit normal of the outward side, where [`intersect`](Self::intersect) put this ray's hit.
     fn normal<P: Math>(&self, ray: &Ray, t: f32) -> Vec3;
 }
-
-/// The nearer of the entry and the exit that a ray admits, and that are visible.
-#[inline(always)]
-fn nearest_root(ray: &Ray, entry: Option<f32>, exit: Option<f32>) -> Option<f32> {
-    let entry = entry.filter(|&t| ray.admits(t));
-    let exit = exit.filter(|&t| ray.admits(t));
-    match (entry, exit) {
-        (Some(entry), Some(exit)) if exit < entry => Some(exit),
-        (Some(entry), _) => Some(entry),
-        (None, exit) => exit,
-    }
-}

@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::{Shape, nearest_root};
+use super::Shape;
 use crate::math::Math;
 use crate::ray::{Ray, Side};
 
@@ -58,7 +58,6 @@ impl Cuboid {
     ///
     /// Slabs, T. L. Kay and J. T. Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986; equal entry and
     /// exit count, so that the box is closed.
-    #[inline(always)]
     fn roots(&self, ray: &Ray, reciprocal: &Vec3) -> Option<(f32, f32)> {
         let (o, d) = (ray.origin, ray.direction);
         let x = slab(o.x, d.x, reciprocal.x, self.min.x, self.max.x)?;
@@ -110,7 +109,8 @@ impl Shape for Cuboid {
             return None;
         }
         let (entry, exit) = self.roots(ray, reciprocal)?;
-        nearest_root(ray, leaving.is_none().then_some(entry), Some(exit))
+        let enters = entry > 0.0 && leaving.is_none();
+        ray.admitted(if enters { entry } else { exit })
     }
 
     #[inline]

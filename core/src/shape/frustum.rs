@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::{Shape, nearest_root};
+use super::Shape;
 use crate::math::{self, Math};
 use crate::ray::{Ray, Side};
 
@@ -99,7 +99,7 @@ impl Frustum {
 
     /// Entry into and exit from the solid, each where it lies between the ends and is visible, whether
     /// or not the ray admits it. A ray from the surface meets the side at 0 by definition.
-    #[inline(always)]
+    #[inline]
     fn roots<P: Math>(&self, ray: &Ray, leaving: Option<Side>) -> (Option<f32>, Option<f32>) {
         // Where only the inside is visible, that is the outward side.
         let outward = leaving.map(|side| (side == Side::Outside) == self.shows_outside());
@@ -168,8 +168,15 @@ impl Shape for Frustum {
 
     #[inline]
     fn intersect<P: Math>(&self, ray: &Ray, _: &(), leaving: Option<Side>) -> Option<f32> {
+        // The far side of a double cone's other half has the exit before the entry.
         let (entry, exit) = self.roots::<P>(ray, leaving);
-        nearest_root(ray, entry, exit)
+        let entry = entry.filter(|&t| ray.admits(t));
+        let exit = exit.filter(|&t| ray.admits(t));
+        match (entry, exit) {
+            (Some(entry), Some(exit)) if exit < entry => Some(exit),
+            (Some(entry), _) => Some(entry),
+            (None, exit) => exit,
+        }
     }
 
     #[inline]

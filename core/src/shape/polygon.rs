@@ -137,7 +137,8 @@ pub struct Shear {
 }
 
 impl Shear {
-    #[inline]
+    /// Not inlined: once a ray, and in flash only once for all kinds of outlines.
+    #[inline(never)]
     pub(super) fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let size = d.abs();
@@ -171,6 +172,24 @@ impl Shear {
         let v = vertex - self.origin;
         Vec2::new(v.dot(self.x), v.dot(self.y))
     }
+
+    /// Whether the ray's line passes within an outline: an odd number of its edges cross the positive x
+    /// half-axis.
+    #[inline(never)]
+    fn meets(&self, vertices: &[Vec3]) -> bool {
+        let Some(&last) = vertices.last() else {
+            return false;
+        };
+        let mut previous = self.apply(last);
+        let mut inside = false;
+        for &vertex in vertices {
+            math::keep_rolled();
+            let current = self.apply(vertex);
+            inside ^= crosses(previous, current);
+            previous = current;
+        }
+        inside
+    }
 }
 
 /// Whether the edge between two sheared vertices crosses the positive x half-axis.
@@ -201,16 +220,8 @@ impl Shape for Polygon<'_> {
         if leaving.is_some() {
             return None;
         }
-        let &last = self.vertices.last()?;
-        let mut previous = shear.apply(last);
-        let mut inside = false;
-        for &vertex in self.vertices {
-            let current = shear.apply(vertex);
-            inside ^= crosses(previous, current);
-            previous = current;
-        }
-        if inside {
-            ray.admitted(plane::distance(ray, last, self.normal))
+        if shear.meets(self.vertices) {
+            ray.admitted(plane::distance(ray, *self.vertices.first()?, self.normal))
         } else {
             None
         }

@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::{Shape, nearest_root};
+use super::Shape;
 use crate::math::Math;
 use crate::ray::{Ray, Side};
 
@@ -63,7 +63,8 @@ impl Sphere {
         let to_center = self.center - ray.origin;
         let approach = to_center.dot(ray.direction);
         let miss = ray.direction * approach - to_center;
-        let square = self.radius * self.radius - miss.length_squared();
+        let radius_squared = self.radius * self.radius;
+        let square = radius_squared - miss.length_squared();
         // What rounding leaves of `miss` along a unit direction is below 2^-21 of the way: where even
         // its square, twice over, does not help, the ray misses, and nothing more is computed.
         const SLACK: f32 = 1.0 / (1_u64 << 40) as f32;
@@ -72,8 +73,8 @@ impl Sphere {
         }
         let along = miss.dot(ray.direction);
         let half_chord_squared = square + along * along;
-        // Also false for NaN.
-        if half_chord_squared >= 0.0 {
+        // Also false for NaN. What has no radius has no surface.
+        if half_chord_squared >= 0.0 && radius_squared > 0.0 {
             let half_chord = P::sqrt(half_chord_squared);
             // Small terms first.
             Some((
@@ -113,8 +114,10 @@ impl Shape for Sphere {
         if let Some(side) = leaving {
             return self.chord(ray, side);
         }
+        // The entry is never the farther one: where it is not before the end, nor is the exit.
         let (entry, exit) = self.roots::<P>(ray)?;
-        nearest_root(ray, self.shows_outside().then_some(entry), Some(exit))
+        let enters = entry > 0.0 && self.shows_outside();
+        ray.admitted(if enters { entry } else { exit })
     }
 
     #[inline]

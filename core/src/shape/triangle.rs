@@ -31,7 +31,7 @@ impl Triangle {
 }
 
 /// Distance to the plane of a triangle where the ray passes within its outline.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn intersect(
     ray: &Ray,
     shear: &Shear,
