@@ -1,1 +1,3 @@
 //! Oracles, lab and benchmarks of whitted.
+
+pub mod reference;

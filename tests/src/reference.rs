@@ -1,0 +1,491 @@
+//! The picture oracle: a plain, recursive Whitted tracer in `f64`.
+//!
+//! It is written to be read beside the formula, not to be fast, and shares no code with the
+//! renderer that it judges: other intersection methods, another arithmetic, recursion instead of a
+//! stack, a tree instead of slices.
+//!
+//! T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980.
+
+mod hierarchy;
+mod scene_file;
+mod shape;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use hierarchy::Hierarchy;
+pub use shape::Shape;
+
+/// What to trace: objects under lights, before a background.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    camera: Camera,
+    background: DVec3,
+    ambient: DVec3,
+    lights: Vec<Light>,
+    objects: Vec<Object>,
+    hierarchy: Hierarchy,
+}
+
+/// The image plane as it lies in the world, seen from the eye.
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    /// Where all primary rays start.
+    pub eye: DVec3,
+    /// From the eye to the upper left corner of the picture.
+    pub corner: DVec3,
+    /// Along the upper edge of the picture, all of it.
+    pub right: DVec3,
+    /// Along the left edge of the picture, all of it.
+    pub down: DVec3,
+}
+
+/// A point that shines, without falloff.
+#[derive(Clone, Copy, Debug)]
+pub struct Light {
+    /// In world space.
+    pub position: DVec3,
+    /// Linear RGB intensity.
+    pub color: DVec3,
+    /// Whether surfaces in between matter.
+    pub shadows: bool,
+}
+
+/// A shape and how its surface answers light.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Where the surface is.
+    pub shape: Shape,
+    /// What it looks like.
+    pub finish: Finish,
+}
+
+/// The coefficients of Whitted's formula for one surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Finish {
+    /// Linear RGB.
+    pub color: DVec3,
+    /// Share of the ambient light that is given back.
+    pub ambient: f64,
+    /// Lambert's coefficient.
+    pub diffuse: f64,
+    /// Phong's coefficient.
+    pub specular: f64,
+    /// Phong's exponent.
+    pub shininess: f64,
+    /// Weight of the mirrored ray.
+    pub mirror: f64,
+    /// Weight of the refracted ray, and of light that passes on its way to another surface.
+    pub transmittance: f64,
+    /// Refractive index of the inside; 1 outside.
+    pub ior: f64,
+}
+
+/// What the tracer is asked to do.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Longest path, counting the primary ray as 1. What lies deeper is black.
+    pub depth: u32,
+    /// Weight of the ray inside glass after total internal reflection.
+    pub total_reflection: TotalReflection,
+}
+
+/// Who gets the light that glass would transmit, but cannot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TotalReflection {
+    /// The mirrored ray, besides what it has: weight Kr + T. No energy is made or lost.
+    KeepsEnergy,
+    /// The mirrored ray, with weight 1 whatever the finish says: POV-Ray's rule.
+    IsPerfect,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            depth: 5,
+            total_reflection: TotalReflection::KeepsEnergy,
+        }
+    }
+}
+
+/// A ray and the object whose surface it leaves; that one of its roots is not met again.
+#[derive(Clone, Copy)]
+struct Ray {
+    origin: DVec3,
+    /// Unit length.
+    direction: DVec3,
+    leaves: Option<usize>,
+}
+
+impl Camera {
+    /// The unit direction through a point of the picture, in pixels from its upper left corner.
+    pub fn direction(&self, point: DVec2, width: u32, height: u32) -> DVec3 {
+        let across = point.x / f64::from(width);
+        let along = point.y / f64::from(height);
+        (self.corner + across * self.right + along * self.down).normalize()
+    }
+}
+
+impl Scene {
+    /// Sorts the objects for tracing; their order decides which of two coincident surfaces is seen.
+    pub fn new(
+        camera: Camera,
+        background: DVec3,
+        ambient: DVec3,
+        lights: Vec<Light>,
+        objects: Vec<Object>,
+    ) -> Self {
+        let hierarchy = Hierarchy::new(&objects);
+        Scene {
+            camera,
+            background,
+            ambient,
+            lights,
+            objects,
+            hierarchy,
+        }
+    }
+
+    /// How many objects there are to hit.
+    pub fn object_count(&self) -> usize {
+        self.objects.len()
+    }
+
+    /// Linear RGB of every pixel centre, row by row from the top.
+    pub fn render(&self, width: u32, height: u32, options: Options) -> Vec<DVec3> {
+        (0..height)
+            .into_par_iter()
+            .flat_map_iter(|y| (0..width).map(move |x| (x, y)))
+            .map(|(x, y)| self.pixel(x, y, width, height, options))
+            .collect()
+    }
+
+    /// Linear RGB of the centre of one pixel.
+    pub fn pixel(&self, x: u32, y: u32, width: u32, height: u32, options: Options) -> DVec3 {
+        let center = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        self.point(center, width, height, options)
+    }
+
+    /// Linear RGB at a point of the picture, in pixels from its upper left corner.
+    pub fn point(&self, point: DVec2, width: u32, height: u32, options: Options) -> DVec3 {
+        let direction = self.camera.direction(point, width, height);
+        self.radiance(
+            Ray {
+                origin: self.camera.eye,
+                direction,
+                leaves: None,
+            },
+            1,
+            options,
+        )
+    }
+
+    /// Light that comes back along `ray`, which is the `depth`-th of its path.
+    fn radiance(&self, ray: Ray, depth: u32, options: Options) -> DVec3 {
+        if depth > options.depth {
+            return DVec3::ZERO;
+        }
+        let Some((index, t)) = self.nearest(ray) else {
+            return self.background;
+        };
+        let Object { shape, finish } = &self.objects[index];
+        let point = ray.origin + t * ray.direction;
+        let outward = shape.normal(ray.origin, ray.direction, t);
+        let front = ray.direction.dot(outward) < 0.0;
+        let normal = if front { outward } else { -outward };
+        let child = |direction| Ray {
+            origin: point,
+            direction,
+            leaves: Some(index),
+        };
+
+        let mut color = finish.color * finish.ambient * self.ambient;
+        for light in &self.lights {
+            color += self.reflected_light(light, child(ray.direction), normal, finish);
+        }
+
+        let mut mirror = finish.mirror;
+        if finish.transmittance > 0.0 {
+            let eta = if front { 1.0 / finish.ior } else { finish.ior };
+            match refract(ray.direction, normal, eta) {
+                Some(direction) => {
+                    let transmitted = self.radiance(child(direction), depth + 1, options);
+                    color += finish.transmittance * transmitted;
+                }
+                None => {
+                    mirror = match options.total_reflection {
+                        TotalReflection::KeepsEnergy => mirror + finish.transmittance,
+                        TotalReflection::IsPerfect => 1.0,
+                    }
+                }
+            }
+        }
+        if mirror > 0.0 {
+            let direction = reflect(ray.direction, normal);
+            color += mirror * self.radiance(child(direction), depth + 1, options);
+        }
+        color
+    }
+
+    /// What a surface sends back of one light, diffuse and as a highlight. `ray` starts at the
+    /// surface and goes on where the viewer looked.
+    fn reflected_light(&self, light: &Light, ray: Ray, normal: DVec3, finish: &Finish) -> DVec3 {
+        let distance = ray.origin.distance(light.position);
+        let to_light = (light.position - ray.origin) / distance;
+        let cosine = normal.dot(to_light);
+        // Light at the surface itself has no direction: its cosine is NaN, and it adds nothing.
+        if cosine.is_nan() || cosine <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let passed = match light.shadows {
+            true => self.transmittance(
+                Ray {
+                    direction: to_light,
+                    ..ray
+                },
+                distance,
+            ),
+            false => 1.0,
+        };
+        let highlight = reflect(ray.direction, normal)
+            .dot(to_light)
+            .max(0.0)
+            .powf(finish.shininess);
+        let diffuse = finish.color * finish.diffuse * cosine;
+        passed * light.color * (diffuse + finish.specular * highlight)
+    }
+
+    /// The object met first and where; of two at the same place, the first in order.
+    fn nearest(&self, ray: Ray) -> Option<(usize, f64)> {
+        let mut best = (usize::MAX, f64::INFINITY);
+        self.hierarchy
+            .visit(ray.origin, ray.direction, &mut |index| {
+                for t in self.crossings(index, ray).filter(|&t| t > 0.0) {
+                    if t < best.1 || (t == best.1 && index < best.0) {
+                        best = (index, t);
+                    }
+                }
+                best.1
+            });
+        (best.1 < f64::INFINITY).then_some(best)
+    }
+
+    /// Share of light that passes every surface within `distance`: T for each that it crosses.
+    fn transmittance(&self, ray: Ray, distance: f64) -> f64 {
+        let mut passed = 1.0;
+        self.hierarchy
+            .visit(ray.origin, ray.direction, &mut |index| {
+                for _ in self
+                    .crossings(index, ray)
+                    .filter(|&t| 0.0 < t && t < distance)
+                {
+                    passed *= self.objects[index].finish.transmittance;
+                }
+                if passed == 0.0 { 0.0 } else { distance }
+            });
+        passed
+    }
+
+    fn crossings(&self, index: usize, ray: Ray) -> impl Iterator<Item = f64> {
+        let leaving = ray.leaves == Some(index);
+        self.objects[index]
+            .shape
+            .crossings(ray.origin, ray.direction, leaving)
+    }
+}
+
+/// The direction after a mirror; all unit length.
+fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
+    direction - 2.0 * direction.dot(normal) * normal
+}
+
+/// Snell's law: the direction beyond a surface, `eta` being the refractive index on this side over
+/// that on the other; nothing where all light is reflected. `normal` is turned to the ray.
+fn refract(direction: DVec3, normal: DVec3, eta: f64) -> Option<DVec3> {
+    let cosine = -direction.dot(normal);
+    let cosine_squared = 1.0 - eta * eta * (1.0 - cosine * cosine);
+    (cosine_squared >= 0.0)
+        .then(|| (eta * direction + (eta * cosine - cosine_squared.sqrt()) * normal).normalize())
+}
+
+/// 8-bit steps of linear RGB: clamped and rounded to the nearest.
+pub fn quantize(color: DVec3) -> [u8; 3] {
+    (color.clamp(DVec3::ZERO, DVec3::ONE) * 255.0)
+        .round()
+        .to_array()
+        .map(|channel| channel as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CLEAR: Finish = Finish {
+        color: DVec3::ONE,
+        ambient: 0.0,
+        diffuse: 0.0,
+        specular: 0.0,
+        shininess: 1.0,
+        mirror: 0.0,
+        transmittance: 0.5,
+        ior: 1.5,
+    };
+    const CHALK: Finish = Finish {
+        diffuse: 1.0,
+        transmittance: 0.0,
+        ..CLEAR
+    };
+
+    fn ball(x: f64, y: f64, z: f64, finish: Finish) -> Object {
+        Object {
+            shape: Shape::Sphere {
+                center: DVec3::new(x, y, z),
+                radius: 1.0,
+            },
+            finish,
+        }
+    }
+
+    fn wall(y: f64, finish: Finish) -> Object {
+        Object {
+            shape: Shape::Plane {
+                point: DVec3::Y * y,
+                normal: DVec3::Y,
+            },
+            finish,
+        }
+    }
+
+    fn scene(objects: Vec<Object>, lights: &[DVec3]) -> Scene {
+        let camera = Camera {
+            eye: DVec3::ZERO,
+            corner: DVec3::new(-1.0, 1.0, -1.0),
+            right: DVec3::X * 2.0,
+            down: DVec3::NEG_Y * 2.0,
+        };
+        let light = |&position| Light {
+            position,
+            color: DVec3::ONE,
+            shadows: true,
+        };
+        let lights = lights.iter().map(light).collect();
+        Scene::new(
+            camera,
+            DVec3::new(0.25, 0.5, 1.0),
+            DVec3::ONE,
+            lights,
+            objects,
+        )
+    }
+
+    fn radiance(scene: &Scene, origin: DVec3, direction: DVec3, options: Options) -> f64 {
+        scene
+            .radiance(
+                Ray {
+                    origin,
+                    direction,
+                    leaves: None,
+                },
+                1,
+                options,
+            )
+            .z
+    }
+
+    #[test]
+    fn light_through_glass_is_weighed_at_each_surface() {
+        let lens = ball(0.0, 0.0, -5.0, CLEAR);
+        let lit = scene(vec![lens.clone()], &[]);
+        let ahead = |scene, options| radiance(scene, DVec3::ZERO, DVec3::NEG_Z, options);
+        assert_eq!(ahead(&lit, Options::default()), 0.25);
+        assert_eq!(
+            ahead(
+                &lit,
+                Options {
+                    depth: 2,
+                    ..Options::default()
+                }
+            ),
+            0.0
+        );
+        // A shadow ray crosses it twice.
+        let shaded = scene(vec![lens, wall(-8.0, CHALK)], &[DVec3::new(0.0, 2.0, -5.0)]);
+        let below = DVec3::new(0.0, -4.0, -5.0);
+        assert_eq!(
+            radiance(&shaded, below, DVec3::NEG_Y, Options::default()),
+            0.25
+        );
+    }
+
+    #[test]
+    fn total_reflection_moves_the_transmitted_share_to_the_mirror() {
+        // Along a chord beyond the critical angle: only the depth ends the path.
+        let trap = scene(
+            vec![ball(
+                0.0,
+                0.0,
+                0.0,
+                Finish {
+                    ambient: 1.0,
+                    ..CLEAR
+                },
+            )],
+            &[],
+        );
+        let inside = DVec3::new(0.9, 0.0, 0.0);
+        let weighed = |total_reflection| {
+            radiance(
+                &trap,
+                inside,
+                DVec3::Y,
+                Options {
+                    depth: 3,
+                    total_reflection,
+                },
+            )
+        };
+        assert_eq!(weighed(TotalReflection::KeepsEnergy), 1.0 + 0.5 + 0.25);
+        assert_eq!(weighed(TotalReflection::IsPerfect), 3.0);
+    }
+
+    #[test]
+    fn two_mirrors_add_a_series() {
+        let silver = Finish {
+            ambient: 0.125,
+            mirror: 0.5,
+            transmittance: 0.0,
+            ..CLEAR
+        };
+        let hall = scene(vec![wall(0.0, silver), wall(1.0, silver)], &[]);
+        let up = radiance(&hall, DVec3::Y * 0.5, DVec3::Y, Options::default());
+        assert_eq!(up, 0.242_187_5);
+    }
+
+    #[test]
+    fn surfaces_turned_away_from_a_light_or_hidden_from_it_are_dark() {
+        let down = |objects, light| {
+            let scene = scene(objects, &[light]);
+            radiance(&scene, DVec3::Y, DVec3::NEG_Y, Options::default())
+        };
+        let floor = || wall(0.0, CHALK);
+        assert_eq!(down(vec![floor()], DVec3::new(0.0, 5.0, 0.0)), 1.0);
+        assert!((down(vec![floor()], DVec3::new(3.0, 4.0, 0.0)) - 0.8).abs() < 1e-15);
+        assert_eq!(down(vec![floor()], DVec3::new(0.0, -5.0, 0.0)), 0.0);
+        assert_eq!(down(vec![floor()], DVec3::ZERO), 0.0);
+        let lid = ball(3.0, 4.0, 0.0, CHALK);
+        assert_eq!(down(vec![floor(), lid], DVec3::new(6.0, 8.0, 0.0)), 0.0);
+    }
+
+    #[test]
+    fn pixels_are_seen_through_their_centres() {
+        let camera = scene(vec![], &[]).camera;
+        let direction = camera.direction(DVec2::new(1.5, 0.5), 3, 2);
+        assert_eq!(direction, DVec3::new(0.0, 0.5, -1.0).normalize());
+    }
+
+    #[test]
+    fn channels_are_clamped_and_rounded() {
+        let color = DVec3::new(-0.5, 0.5 / 255.0, 7.0);
+        assert_eq!(quantize(color), [0, 1, 255]);
+    }
+}
