@@ -1,3 +1,4 @@
 //! Oracles, lab and benchmarks of whitted.
 
+pub mod comparison;
 pub mod reference;

@@ -10,7 +10,7 @@ mod hierarchy;
 mod scene_file;
 mod shape;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use hierarchy::Hierarchy;
@@ -88,6 +88,9 @@ pub struct Options {
     pub depth: u32,
     /// Weight of the ray inside glass after total internal reflection.
     pub total_reflection: TotalReflection,
+    /// 0, or how far to move each hit point off its surface, towards where the ray came from, as a
+    /// share of the size of its coordinates: what rounding does to it, exaggerated or not.
+    pub lift: f64,
 }
 
 /// Who gets the light that glass would transmit, but cannot.
@@ -104,6 +107,7 @@ impl Default for Options {
         Options {
             depth: 5,
             total_reflection: TotalReflection::KeepsEnergy,
+            lift: 0.0,
         }
     }
 }
@@ -118,10 +122,10 @@ struct Ray {
 }
 
 impl Camera {
-    /// The unit direction through a point of the picture, in pixels from its upper left corner.
-    pub fn direction(&self, point: DVec2, width: u32, height: u32) -> DVec3 {
-        let across = point.x / f64::from(width);
-        let along = point.y / f64::from(height);
+    /// The unit direction through the centre of a pixel, counted from the upper left.
+    pub fn center(&self, x: u32, y: u32, width: u32, height: u32) -> DVec3 {
+        let across = (f64::from(x) + 0.5) / f64::from(width);
+        let along = (f64::from(y) + 0.5) / f64::from(height);
         (self.corner + across * self.right + along * self.down).normalize()
     }
 }
@@ -146,9 +150,9 @@ impl Scene {
         }
     }
 
-    /// How many objects there are to hit.
-    pub fn object_count(&self) -> usize {
-        self.objects.len()
+    /// Where the picture is taken from.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
     }
 
     /// Linear RGB of every pixel centre, row by row from the top.
@@ -162,22 +166,17 @@ impl Scene {
 
     /// Linear RGB of the centre of one pixel.
     pub fn pixel(&self, x: u32, y: u32, width: u32, height: u32, options: Options) -> DVec3 {
-        let center = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        self.point(center, width, height, options)
+        self.seen(self.camera.center(x, y, width, height), options)
     }
 
-    /// Linear RGB at a point of the picture, in pixels from its upper left corner.
-    pub fn point(&self, point: DVec2, width: u32, height: u32, options: Options) -> DVec3 {
-        let direction = self.camera.direction(point, width, height);
-        self.radiance(
-            Ray {
-                origin: self.camera.eye,
-                direction,
-                leaves: None,
-            },
-            1,
-            options,
-        )
+    /// Linear RGB that the eye sees in a direction of unit length.
+    pub fn seen(&self, direction: DVec3, options: Options) -> DVec3 {
+        let ray = Ray {
+            origin: self.camera.eye,
+            direction,
+            leaves: None,
+        };
+        self.radiance(ray, 1, options)
     }
 
     /// Light that comes back along `ray`, which is the `depth`-th of its path.
@@ -193,6 +192,7 @@ impl Scene {
         let outward = shape.normal(ray.origin, ray.direction, t);
         let front = ray.direction.dot(outward) < 0.0;
         let normal = if front { outward } else { -outward };
+        let point = point + options.lift * point.abs().max_element() * normal;
         let child = |direction| Ray {
             origin: point,
             direction,
@@ -441,6 +441,7 @@ mod tests {
                 Options {
                     depth: 3,
                     total_reflection,
+                    lift: 0.0,
                 },
             )
         };
@@ -479,7 +480,7 @@ mod tests {
     #[test]
     fn pixels_are_seen_through_their_centres() {
         let camera = scene(vec![], &[]).camera;
-        let direction = camera.direction(DVec2::new(1.5, 0.5), 3, 2);
+        let direction = camera.center(1, 0, 3, 2);
         assert_eq!(direction, DVec3::new(0.0, 0.5, -1.0).normalize());
     }
 
