@@ -5,7 +5,7 @@
 
 use crate::material::{Finish, Transmission};
 use crate::math::{self, Exact, Math, Transmittance};
-use crate::ray::{Hit, Ray, Side};
+use crate::ray::{Departure, Hit, Ray, Side};
 use crate::shape::Shape;
 use glam::Vec3;
 
@@ -137,14 +137,23 @@ pub trait Geometry {
     }
 }
 
-/// Which object the ray leaves, counted from `first`, and on which side. No slice has an object at
-/// `usize::MAX`, the answer where it leaves none, so that loops compare one number an object.
+/// The address at which the object that the ray leaves would lie in this slice, and the side. It is in
+/// the slice only if the object is one of these; addresses are what loops over a slice have at hand.
 #[inline(always)]
-fn departure(ray: &Ray, first: usize) -> (usize, Option<Side>) {
+fn departure<T>(objects: &[T], ray: &Ray, first: usize) -> (*const T, Side) {
     match ray.departure {
-        Some(departure) => (departure.object.wrapping_sub(first), Some(departure.side)),
-        None => (usize::MAX, None),
+        Some(Departure { object, side }) => {
+            let place = object.wrapping_sub(first);
+            (objects.as_ptr().wrapping_add(place), side)
+        }
+        None => (core::ptr::null(), Side::Outside),
     }
+}
+
+/// The side on which `object` is left, if it is the one.
+#[inline(always)]
+fn leaves<T>((left, side): (*const T, Side), object: &T) -> Option<Side> {
+    core::ptr::eq(left, object).then_some(side)
 }
 
 impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
@@ -158,17 +167,17 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
     #[inline]
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
         let setup = S::setup(ray);
-        let (left, side) = departure(ray, first);
+        let left = departure(self, ray, first);
         let mut nearest = None;
-        for (index, object) in self.iter().enumerate() {
+        for object in self {
             math::keep_rolled();
-            let leaving = if index == left { side } else { None };
+            let leaving = leaves(left, object);
             if let Some(t) = object.shape.intersect::<P>(ray, &setup, leaving) {
                 ray.t_max = t;
-                nearest = Some(first + index);
+                nearest = Some(object);
             }
         }
-        nearest
+        Some(first + self.element_offset(nearest?)?)
     }
 
     #[inline]
@@ -186,10 +195,10 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
     #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
         let setup = S::setup(ray);
-        let (left, side) = departure(ray, first);
-        self.iter().enumerate().any(|(index, object)| {
+        let left = departure(self, ray, first);
+        self.iter().any(|object| {
             math::keep_rolled();
-            let leaving = if index == left { side } else { None };
+            let leaving = leaves(left, object);
             object.shape.intersect::<P>(ray, &setup, leaving).is_some()
         })
     }
@@ -200,10 +209,10 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
         M: Finish,
     {
         let setup = S::setup(ray);
-        let (left, side) = departure(ray, first);
-        self.iter().enumerate().any(|(index, object)| {
+        let left = departure(self, ray, first);
+        self.iter().any(|object| {
             math::keep_rolled();
-            let leaving = if index == left { side } else { None };
+            let leaving = leaves(left, object);
             let times = object.shape.crossings::<P>(ray, &setup, leaving);
             let factor = object.material.transmission().transmittance();
             if times > 0 && factor > 0.0 {
@@ -302,7 +311,6 @@ impl<G: Geometry + ?Sized> Geometry for &G {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Departure;
     use crate::material::{Glass, Material};
     use crate::shape::plane::Plane;
     use crate::shape::sphere::Sphere;

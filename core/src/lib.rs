@@ -59,6 +59,7 @@
 
 pub mod camera;
 pub mod geometry;
+pub mod hierarchy;
 pub mod material;
 pub mod math;
 pub mod picture;
@@ -70,6 +71,7 @@ pub mod trace;
 pub use camera::{Camera, CameraError, View};
 pub use geometry::{Geometry, Object, Objects};
 pub use glam::Vec3;
+pub use hierarchy::{Hierarchy, Node};
 pub use material::{Finish, Glass, Material, Mirror, Phong, PhongReal};
 pub use math::{Exact, Math, Micro};
 pub use picture::Picture;

@@ -85,12 +85,20 @@ pub trait Highlight {
     /// Whether there is one.
     const SHINES: bool;
 
+    /// No less than its brightness at this angle, at hardly any cost.
+    fn peak(&self, cos: f32) -> f32;
+
     /// Its brightness where the mirrored view direction and the light's are `cos` apart.
     fn brightness<P: Math>(&self, cos: f32) -> f32;
 }
 
 impl Highlight for () {
     const SHINES: bool = false;
+
+    #[inline(always)]
+    fn peak(&self, _: f32) -> f32 {
+        0.0
+    }
 
     #[inline(always)]
     fn brightness<P: Math>(&self, _: f32) -> f32 {
@@ -100,6 +108,11 @@ impl Highlight for () {
 
 impl Highlight for Phong {
     const SHINES: bool = true;
+
+    #[inline(always)]
+    fn peak(&self, cos: f32) -> f32 {
+        if cos > 0.0 { self.specular } else { 0.0 }
+    }
 
     #[inline]
     fn brightness<P: Math>(&self, cos: f32) -> f32 {
@@ -114,6 +127,11 @@ impl Highlight for Phong {
 
 impl Highlight for PhongReal {
     const SHINES: bool = true;
+
+    #[inline(always)]
+    fn peak(&self, cos: f32) -> f32 {
+        if cos > 0.0 { self.specular } else { 0.0 }
+    }
 
     #[inline]
     fn brightness<P: Math>(&self, cos: f32) -> f32 {

@@ -269,10 +269,11 @@ pub fn renormalize(v: Vec3) -> Vec3 {
     v * (1.5 - 0.5 * v.length_squared())
 }
 
-/// `direction` mirrored at a surface with this unit normal; unit length.
+/// `direction` mirrored at a surface with this unit normal; unit length but for rounding, which
+/// [`renormalize`] takes away and which would otherwise grow from bounce to bounce.
 #[inline]
-pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
-    renormalize(direction - normal * (2.0 * direction.dot(normal)))
+pub fn mirror(direction: Vec3, normal: Vec3) -> Vec3 {
+    direction - normal * (2.0 * direction.dot(normal))
 }
 
 /// `direction` refracted by Snell's law, unit length; `None` for total internal reflection.
@@ -392,7 +393,7 @@ mod tests {
         let mut direction = Exact::normalize(Vec3::new(1.0, 2.0, 3.0));
         let normal = Exact::normalize(Vec3::new(-2.0, 1.0, 0.5));
         for _ in 0..10_000 {
-            direction = reflect(direction, normal);
+            direction = renormalize(mirror(direction, normal));
         }
         assert!((direction.length_squared() - 1.0).abs() < 1e-6);
     }

@@ -171,7 +171,7 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 }
                 Some(hit) => {
                     self.counters.count(Event::Hit);
-                    let mirrored = math::reflect(path.ray.direction, hit.normal);
+                    let mirrored = math::mirror(path.ray.direction, hit.normal);
                     radiance += self.direct(scene, &hit, mirrored, path.throughput);
                     self.children(&path, &hit, mirrored)
                 }
@@ -215,29 +215,33 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
             }
             let (distance, recip) = P::sqrt_and_recip(to_light.length_squared());
             let direction = to_light * recip;
-            let highlight = material
-                .highlight()
-                .brightness::<P>(mirrored.dot(direction));
-            let mut term = material.color() * (material.diffuse() * (height * recip));
-            if <G::Material as Finish>::Highlight::SHINES {
-                term += Vec3::splat(highlight);
-            }
-            term = term * source.color() * throughput;
-            // No shadow ray for what cannot be seen.
-            if !(math::max_component(term) > self.threshold) {
+            // No shadow ray for what cannot be seen, and no power for what lies in shadow.
+            let cos = mirrored.dot(direction);
+            let weight = source.color() * throughput;
+            let scattered = material.color() * (material.diffuse() * (height * recip));
+            let most = scattered + Vec3::splat(material.highlight().peak(cos));
+            if !(math::max_component(most * weight) > self.threshold) {
                 continue;
             }
+            let mut passed = 1.0;
             if source.casts_shadows() {
                 self.counters.count(Event::Shadow);
                 let mut shadow = hit.back(direction);
                 shadow.t_max = distance;
                 if <G::Material as Finish>::Transmission::TRANSMITS {
-                    term *= scene.geometry.transmittance_by::<P>(&shadow);
+                    passed = scene.geometry.transmittance_by::<P>(&shadow);
                 } else if scene.geometry.blocks::<P>(&shadow, 0) {
+                    passed = 0.0;
+                }
+                if !(passed > 0.0) {
                     continue;
                 }
             }
-            light += term;
+            let mut term = scattered;
+            if <G::Material as Finish>::Highlight::SHINES {
+                term += Vec3::splat(material.highlight().brightness::<P>(cos));
+            }
+            light += term * weight * passed;
         }
         light
     }
@@ -282,7 +286,7 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 }
             }
         }
-        let reflected = child(hit.back(mirrored), reflectance);
+        let reflected = child(hit.back(math::renormalize(mirrored)), reflectance);
         if reflected.is_some() {
             self.counters.count(Event::Reflected);
         }

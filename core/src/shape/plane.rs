@@ -54,14 +54,19 @@ impl Plane {
     }
 }
 
-/// Distance at which a ray meets the plane through `point`; not finite where it lies in the plane or
-/// beside it.
+/// Distance at which the plane through `point` is met, where the ray admits it.
 ///
 /// The point form: differences first, so that digits survive far from the origin. No angle counts as
-/// parallel but the exact one, whose division gives infinity or NaN, which no ray admits.
+/// parallel but the exact one, whose quotient is infinite or NaN, which no ray admits.
 #[inline(always)]
-pub(super) fn distance(ray: &Ray, point: Vec3, normal: Vec3) -> f32 {
-    normal.dot(point - ray.origin) / normal.dot(ray.direction)
+pub(super) fn intersect(ray: &Ray, point: Vec3, normal: Vec3) -> Option<f32> {
+    let height = normal.dot(point - ray.origin);
+    let descent = normal.dot(ray.direction);
+    // Quotients of two signs are not positive: no need to divide.
+    if (height > 0.0) != (descent > 0.0) {
+        return None;
+    }
+    ray.admitted(height / descent)
 }
 
 impl Shape for Plane {
@@ -75,7 +80,7 @@ impl Shape for Plane {
         if leaving.is_some() {
             return None;
         }
-        ray.admitted(distance(ray, self.point, self.normal))
+        intersect(ray, self.point, self.normal)
     }
 
     #[inline(always)]

@@ -221,7 +221,7 @@ impl Shape for Polygon<'_> {
             return None;
         }
         if shear.meets(self.vertices) {
-            ray.admitted(plane::distance(ray, *self.vertices.first()?, self.normal))
+            plane::intersect(ray, *self.vertices.first()?, self.normal)
         } else {
             None
         }

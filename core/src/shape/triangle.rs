@@ -40,7 +40,7 @@ pub(super) fn intersect(
 ) -> Option<f32> {
     let [a, b, c] = vertices.map(|vertex| shear.apply(vertex));
     if crosses(a, b) ^ crosses(b, c) ^ crosses(c, a) {
-        ray.admitted(plane::distance(ray, vertices[2], normal))
+        plane::intersect(ray, vertices[0], normal)
     } else {
         None
     }
