@@ -1,4 +1,17 @@
-//! The host side of whitted.
+//! The host side of whitted: scene files, pictures, and the commands of the `whitted` program.
+//!
+//! What is rendered and cast is [`whitted`], the same code that firmware links. This crate reads
+//! [scene files](scene_file) into the [type that names everything](scene), [renders](render) on all
+//! cores, and writes [pictures](picture) to files that are [replaced whole or not at all](output).
 
+pub mod args;
+pub mod cast;
+pub mod commands;
+pub mod compare;
+pub mod inspect;
+pub mod output;
+pub mod picture;
+pub mod render;
 pub mod scene;
 pub mod scene_file;
+pub mod wide;

@@ -106,9 +106,9 @@ impl Pool {
         pool
     }
 
-    /// How many different materials there are.
-    pub fn materials(&self) -> usize {
-        self.materials.len()
+    /// The different materials.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
     }
 }
 

@@ -635,20 +635,20 @@ mod tests {
             ("v at 0 0 0", "1:3: expected `from`, found `at`"),
             (
                 &view("angle 0"),
-                "1:37: the angle is 0.0: not between 0 and 180 degrees",
+                "1:38: the angle is 0.0: not between 0 and 180 degrees",
             ),
             (
                 &view("angle 180"),
-                "1:37: the angle is 180.0: not between 0 and 180 degrees",
+                "1:38: the angle is 180.0: not between 0 and 180 degrees",
             ),
-            (&view("hither 1"), "1:31: expected `angle`, found `hither`"),
+            (&view("hither 1"), "1:32: expected `angle`, found `hither`"),
             (
                 &view("angle 4 hither 1 resolution 0 4"),
-                "1:59: expected a number of pixels from 1 on, found `0`",
+                "1:60: expected a number of pixels from 1 on, found `0`",
             ),
             (
                 &view("angle 4 hither 1 resolution 4 16385"),
-                "1:61: more than 16384 pixels to a side",
+                "1:62: more than 16384 pixels to a side",
             ),
         ];
         for (text, message) in cases {

@@ -1,0 +1,161 @@
+//! `whitted render`.
+
+use std::io::{self, Write};
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
+use whitted::{Counters, View};
+
+use super::Outcome;
+use crate::args;
+use crate::output::Output;
+use crate::picture::{Format, Transfer, Writer};
+use crate::render::{Settings, encode, render};
+use crate::scene::{HostScene, Pool};
+use crate::scene_file::{self, SceneFile};
+
+/// The scene that is rendered when none is named.
+const BUILTIN: &str = include_str!("../../scenes/builtin.toml");
+
+const DEFAULT_SIZE: [u32; 2] = [512, 512];
+
+pub(super) fn run(args: &args::Render) -> anyhow::Result<Outcome> {
+    let format = match (Format::of(&args.output)?, args.ascii) {
+        (Format::Ppm, true) => Format::PlainPpm,
+        (Format::Png, true) => bail!("--ascii is for PPM; {} is a PNG", args.output.display()),
+        (format, _) => format,
+    };
+    let file = match &args.scene {
+        Some(path) => scene_file::read(path)?,
+        None => builtin()?,
+    };
+    let pool = Pool::new(&file);
+    let scene = HostScene::new(&file, &pool)?;
+    let [width, height] = match args.size {
+        Some(size) => [size.width, size.height],
+        None => file.size.unwrap_or(DEFAULT_SIZE),
+    };
+    let rows = args.rows.as_ref().map_or(0..height, |it| it.0.clone());
+    if rows.end > height {
+        bail!(
+            "--rows ends at {}, but the picture has {height} rows",
+            rows.end
+        );
+    }
+    let Some(view) = scene.camera(width, height)? else {
+        bail!("{}: the scene has no camera", file.path.display());
+    };
+    let settings = Settings {
+        depth: args.depth.unwrap_or(file.depth),
+        threshold: args.threshold,
+    };
+    let transfer = if args.srgb {
+        Transfer::Srgb
+    } else {
+        Transfer::Linear
+    };
+
+    let cannot_write = || format!("cannot write {}", args.output.display());
+    let output = Output::create(&args.output).with_context(cannot_write)?;
+    let band_height = rows.end - rows.start;
+    let mut writer = Writer::new(
+        output.sink().with_context(cannot_write)?,
+        format,
+        width,
+        band_height,
+        transfer,
+    )
+    .with_context(cannot_write)?;
+    let progress = progress_bar(band_height);
+    let start = Instant::now();
+    let counters = with_threads(args.threads, || {
+        render(
+            &scene.scene(),
+            &view,
+            rows,
+            settings,
+            || progress.inc(1),
+            |pixels| writer.rows(&encode(pixels, transfer)),
+        )
+    })?
+    .with_context(cannot_write)?;
+    let time = start.elapsed();
+    progress.finish();
+    writer.finish().with_context(cannot_write)?;
+    output.commit().with_context(cannot_write)?;
+    let summary = summary(&view, band_height, time, &counters);
+    // Standard error may be closed; the picture is complete all the same.
+    let _ = writeln!(io::stderr(), "{summary}");
+    Ok(Outcome::Success)
+}
+
+fn builtin() -> Result<SceneFile, scene_file::SceneError> {
+    scene_file::toml::parse(Path::new("builtin.toml"), BUILTIN)
+}
+
+/// Runs `work` with a number of threads, by default one a processor.
+fn with_threads<T: Send>(
+    threads: Option<NonZeroUsize>,
+    work: impl FnOnce() -> T + Send,
+) -> anyhow::Result<T> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.map_or(0, NonZeroUsize::get))
+        .build()
+        .context("cannot start threads")?;
+    Ok(pool.install(work))
+}
+
+/// Shows nothing unless standard error is a terminal.
+fn progress_bar(rows: u32) -> ProgressBar {
+    let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %, {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(rows.into())
+        .with_style(style)
+        .with_finish(ProgressFinish::AndClear)
+}
+
+fn summary(view: &View, rows: u32, time: Duration, counters: &Counters) -> String {
+    let Counters {
+        primary,
+        reflected,
+        refracted,
+        shadow,
+        hits,
+    } = *counters;
+    let seconds = time.as_secs_f64();
+    let million_rays = (primary + reflected + refracted + shadow) as f64 / 1e6;
+    format!(
+        "{}x{rows} in {seconds:.3} s: {primary} primary, {reflected} reflected, {refracted} \
+         refracted and {shadow} shadow rays, {hits} hits; {:.3} million rays/s",
+        view.width,
+        million_rays / seconds.max(1e-9),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_builtin_scene_shows_everything() {
+        let file = builtin().unwrap();
+        let pool = Pool::new(&file);
+        let scene = HostScene::new(&file, &pool).unwrap();
+        assert!(scene.camera(4, 3).unwrap().is_some());
+        let mut kinds: Vec<_> = file.objects.iter().map(|it| it.shape.name()).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        assert_eq!(
+            kinds,
+            [
+                "box", "frustum", "patch", "plane", "polygon", "sphere", "triangle"
+            ]
+        );
+        assert!(file.materials.iter().any(|it| it.reflectance > 0.0));
+        assert!(file.materials.iter().any(|it| it.transmittance > 0.0));
+        assert!(file.lights.iter().any(|it| it.shadows));
+    }
+}

@@ -1,0 +1,479 @@
+//! What a scene needs of whoever renders it, and what may be wrong with it.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::mem::size_of;
+
+use serde::Serialize;
+use whitted::{Cuboid, Frustum, Glass, Light, Mirror, Patch, Phong, Plane, Sphere, Triangle, Vec3};
+
+use crate::scene::{HostScene, Material, Pool};
+use crate::scene_file::{Place, SceneFile, Shape};
+
+mod coincidence;
+
+/// What [`inspect`] found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// The file's name.
+    pub file: String,
+    /// How many shapes of each kind.
+    pub shapes: BTreeMap<&'static str, usize>,
+    /// Corners of all polygons together.
+    pub polygon_corners: usize,
+    /// The lights.
+    pub lights: Lights,
+    /// The materials.
+    pub materials: Materials,
+    /// Chains of rays.
+    pub depth: Depth,
+    /// The least and the greatest coordinates of all shapes but planes.
+    pub bounds: Option<[[f64; 3]; 2]>,
+    /// Lengths are cast after division by 2 to this power.
+    pub scale_exponent: i32,
+    /// The types that a firmware for this scene names; it links nothing for any other.
+    pub features: Vec<&'static str>,
+    /// Size as constants of a 32-bit firmware.
+    pub bytes: Bytes,
+    /// What may be wrong.
+    pub warnings: Vec<Warning>,
+}
+
+/// How many lights there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Lights {
+    /// In all.
+    pub all: usize,
+    /// That cast shadows.
+    pub with_shadows: usize,
+}
+
+/// How many different materials there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Materials {
+    /// In all.
+    pub all: usize,
+    /// With a highlight.
+    pub shining: usize,
+    /// With a highlight whose exponent is no whole number.
+    pub with_real_exponents: usize,
+    /// Mirrors.
+    pub reflecting: usize,
+    /// Glass.
+    pub refracting: usize,
+}
+
+/// How long chains of rays get.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Depth {
+    /// What the scene asks for.
+    pub limit: usize,
+    /// What its materials can reach within the limit.
+    pub reach: usize,
+    /// What of this weighs more than 1/512 in its pixel: deeper rays change 8 bits by half a step at
+    /// most, each.
+    pub visible: usize,
+}
+
+/// Sizes in bytes, where a pointer has 4.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Bytes {
+    /// Objects, and the vertices of polygons.
+    pub objects: usize,
+    /// Materials.
+    pub materials: usize,
+    /// Lights.
+    pub lights: usize,
+    /// Together.
+    pub total: usize,
+}
+
+/// Something that may be wrong with a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Warning {
+    /// Where in the file, if at one place.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<u32>,
+    /// In that line.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub column: Option<u32>,
+    /// What it is.
+    pub message: String,
+}
+
+impl Warning {
+    fn new(place: Option<Place>, message: String) -> Self {
+        Self {
+            line: place.map(|it| it.line),
+            column: place.map(|it| it.column),
+            message,
+        }
+    }
+}
+
+/// Inspects a scene; `pool` is its materials.
+pub fn inspect(scene: &HostScene<'_>, pool: &Pool) -> Report {
+    let file = scene.file();
+    let mut shapes = BTreeMap::new();
+    let mut polygon_corners = 0;
+    for object in &file.objects {
+        *shapes.entry(object.shape.name()).or_insert(0) += 1;
+        if let Shape::Polygon { vertices } = &object.shape {
+            polygon_corners += vertices.len();
+        }
+    }
+    let lights = Lights {
+        all: file.lights.len(),
+        with_shadows: file.lights.iter().filter(|it| it.shadows).count(),
+    };
+    let materials = count_materials(pool.materials());
+    let bounds = bounds(file);
+    Report {
+        file: file.path.display().to_string(),
+        features: features(&shapes, &materials, &lights),
+        bytes: bytes(&shapes, polygon_corners, &materials, lights.all),
+        shapes,
+        polygon_corners,
+        lights,
+        materials,
+        depth: depth(file),
+        bounds,
+        scale_exponent: scene.scale().exponent,
+        warnings: warnings(file, bounds),
+    }
+}
+
+fn count_materials(materials: &[Material]) -> Materials {
+    let count = |wanted: fn(&&Material) -> bool| materials.iter().filter(wanted).count();
+    Materials {
+        all: materials.len(),
+        shining: count(|it| it.highlight.specular > 0.0),
+        with_real_exponents: count(|it| {
+            it.highlight.specular > 0.0 && it.highlight.shininess.fract() != 0.0
+        }),
+        reflecting: count(|it| it.reflection.reflectance > 0.0),
+        refracting: count(|it| it.transmission.transmittance > 0.0),
+    }
+}
+
+fn features(
+    shapes: &BTreeMap<&'static str, usize>,
+    materials: &Materials,
+    lights: &Lights,
+) -> Vec<&'static str> {
+    let mut features: Vec<_> = shapes
+        .keys()
+        .map(|&kind| match kind {
+            "sphere" => "Sphere",
+            "plane" => "Plane",
+            "polygon" => "Polygon",
+            "triangle" => "Triangle",
+            "patch" => "Patch",
+            "box" => "Cuboid",
+            _ => "Frustum",
+        })
+        .collect();
+    if materials.with_real_exponents > 0 {
+        features.push("PhongReal");
+    } else if materials.shining > 0 {
+        features.push("Phong");
+    }
+    if materials.reflecting > 0 {
+        features.push("Mirror");
+    }
+    if materials.refracting > 0 {
+        features.push("Glass");
+    }
+    if lights.with_shadows > 0 {
+        features.push("Light");
+    }
+    if lights.all > lights.with_shadows {
+        features.push("FillLight");
+    }
+    features
+}
+
+fn bytes(
+    shapes: &BTreeMap<&'static str, usize>,
+    polygon_corners: usize,
+    materials: &Materials,
+    lights: usize,
+) -> Bytes {
+    const POINTER: usize = 4;
+    const VECTOR: usize = size_of::<Vec3>();
+    let object = |kind: &str| {
+        POINTER
+            + match kind {
+                "sphere" => size_of::<Sphere>(),
+                "plane" => size_of::<Plane>(),
+                // A slice, and the normal.
+                "polygon" => 2 * POINTER + VECTOR,
+                "triangle" => size_of::<Triangle>(),
+                "patch" => size_of::<Patch>(),
+                "box" => size_of::<Cuboid>(),
+                _ => size_of::<Frustum>(),
+            }
+    };
+    let objects: usize = shapes
+        .iter()
+        .map(|(kind, count)| object(kind) * count)
+        .sum();
+    let objects = objects + polygon_corners * VECTOR;
+    let mut material = size_of::<whitted::Material>();
+    if materials.shining > 0 {
+        material += size_of::<Phong>();
+    }
+    if materials.reflecting > 0 {
+        material += size_of::<Mirror>();
+    }
+    if materials.refracting > 0 {
+        material += size_of::<Glass>();
+    }
+    let materials = materials.all * material;
+    let lights = lights * size_of::<Light>();
+    Bytes {
+        objects,
+        materials,
+        lights,
+        total: objects + materials + lights,
+    }
+}
+
+fn depth(file: &SceneFile) -> Depth {
+    let limit = file.depth;
+    let mut secondary = file.objects.iter().filter(|it| {
+        let material = &file.materials[it.material];
+        material.reflectance > 0.0 || material.transmittance > 0.0
+    });
+    let reach = match (secondary.next(), secondary.next()) {
+        (None, _) => 1,
+        (Some(object), None)
+            if file.materials[object.material].transmittance == 0.0
+                && !sees_itself(&object.shape, file.camera.map(|it| it.eye)) =>
+        {
+            2
+        }
+        _ => limit,
+    };
+    let reach = reach.min(limit);
+    // After total internal reflection the mirrored ray weighs as much as both.
+    let heaviest = file
+        .objects
+        .iter()
+        .map(|it| &file.materials[it.material])
+        .map(|it| it.reflectance + it.transmittance)
+        .fold(0.0, f64::max);
+    let visible = (1..=reach)
+        .take_while(|&depth| heaviest.powi(depth as i32 - 1) > 1.0 / 512.0)
+        .count();
+    Depth {
+        limit,
+        reach,
+        visible,
+    }
+}
+
+/// Whether a ray from the eye that is mirrored at this shape can meet it again.
+fn sees_itself(shape: &Shape, eye: Option<[f64; 3]>) -> bool {
+    match (shape, eye) {
+        (Shape::Plane { .. } | Shape::Polygon { .. }, _)
+        | (Shape::Triangle { .. } | Shape::Patch { .. }, _) => false,
+        (&Shape::Sphere { center, radius }, Some(eye)) => {
+            let squared: f64 = (0..3).map(|axis| (eye[axis] - center[axis]).powi(2)).sum();
+            squared <= radius * radius.abs()
+        }
+        (&Shape::Box { min, max }, Some(eye)) => {
+            (0..3).all(|axis| (min[axis]..=max[axis]).contains(&eye[axis]))
+        }
+        _ => true,
+    }
+}
+
+fn bounds(file: &SceneFile) -> Option<[[f64; 3]; 2]> {
+    let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let mut include = |point: [f64; 3], radius: f64| {
+        for axis in 0..3 {
+            bounds[0][axis] = bounds[0][axis].min(point[axis] - radius.abs());
+            bounds[1][axis] = bounds[1][axis].max(point[axis] + radius.abs());
+        }
+    };
+    for object in &file.objects {
+        match object.shape {
+            Shape::Sphere { center, radius } => include(center, radius),
+            Shape::Plane { .. } => {}
+            Shape::Polygon { ref vertices } => vertices.iter().for_each(|&it| include(it, 0.0)),
+            Shape::Triangle { vertices } | Shape::Patch { vertices, .. } => {
+                vertices.iter().for_each(|&it| include(it, 0.0));
+            }
+            Shape::Box { min, max } => [min, max].iter().for_each(|&it| include(it, 0.0)),
+            // A little more than its ends need, for a frustum that is not parallel to an axis.
+            Shape::Frustum {
+                base,
+                base_radius,
+                apex,
+                apex_radius,
+            } => {
+                include(base, base_radius);
+                include(apex, apex_radius);
+            }
+        }
+    }
+    (bounds[0][0] <= bounds[1][0]).then_some(bounds)
+}
+
+fn warnings(file: &SceneFile, bounds: Option<[[f64; 3]; 2]>) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    if file.camera.is_none() {
+        warnings.push(Warning::new(
+            None,
+            "there is no camera to render it".to_owned(),
+        ));
+    }
+    if file.lights.is_empty() && file.ambient == [0.0; 3] {
+        warnings.push(Warning::new(None, "nothing lights it".to_owned()));
+    }
+    warnings.extend(bounds.and_then(far_from_origin));
+    warnings.extend(against_winding(file));
+    warnings.extend(coincidence::find(&file.objects).map(|found| {
+        let [first, second] = found.first;
+        let of = |index: usize| &file.objects[index];
+        let more = match found.pairs {
+            1 => String::new(),
+            pairs => format!("; {pairs} such pairs in all"),
+        };
+        let message = format!(
+            "this {} coincides with the {} at {}, so that rounding decides which is seen{more}",
+            of(second).shape.name(),
+            of(first).shape.name(),
+            of(first).place,
+        );
+        Warning::new(Some(of(second).place), message)
+    }));
+    warnings
+}
+
+/// A scene far from the origin leaves few digits for its own size.
+fn far_from_origin([min, max]: [[f64; 3]; 2]) -> Option<Warning> {
+    const FAR: f64 = 1000.0;
+    let size = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
+    let coordinates = min.iter().chain(&max);
+    let greatest = coordinates.fold(0.0_f64, |most, it| most.max(it.abs()));
+    let times = greatest / size;
+    (size > 0.0 && times > FAR).then(|| {
+        let digits = (24.0 - times.log2()).max(0.0);
+        let message = format!(
+            "coordinates reach {times:.0} times the scene's size: of 24 bits, {digits:.0} are left \
+             for its shape; move it to the origin"
+        );
+        Warning::new(None, message)
+    })
+}
+
+/// Normals decide which side of a patch is outside; they are likely wrong where its winding says
+/// otherwise.
+fn against_winding(file: &SceneFile) -> Option<Warning> {
+    let mut against = file.objects.iter().filter(|it| {
+        let Shape::Patch { vertices, normals } = it.shape else {
+            return false;
+        };
+        let [a, b, c] = vertices;
+        let wound = cross(difference(b, a), difference(c, a));
+        normals.iter().any(|&normal| dot(normal, wound) < 0.0)
+    });
+    let first = against.next()?;
+    let more = match against.count() {
+        0 => String::new(),
+        more => format!(", and of {more} more"),
+    };
+    let message = format!("normals of this patch{more} point against the winding");
+    Some(Warning::new(Some(first.place), message))
+}
+
+fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.file)?;
+        let plural = |count: usize, one: &str, many: &str| {
+            format!("{count} {}", if count == 1 { one } else { many })
+        };
+        let mut shapes: Vec<_> = self
+            .shapes
+            .iter()
+            .map(|(kind, &count)| match *kind {
+                "polygon" => {
+                    let corners = self.polygon_corners;
+                    format!("{} ({corners} corners)", plural(count, kind, "polygons"))
+                }
+                "frustum" => plural(count, kind, "frusta"),
+                "box" | "patch" => plural(count, kind, &format!("{kind}es")),
+                _ => plural(count, kind, &format!("{kind}s")),
+            })
+            .collect();
+        if shapes.is_empty() {
+            shapes.push("none".to_owned());
+        }
+        writeln!(f, "  shapes     {}", shapes.join(", "))?;
+        let Lights { all, with_shadows } = self.lights;
+        writeln!(f, "  lights     {all}, {with_shadows} with shadows")?;
+        let materials = &self.materials;
+        writeln!(
+            f,
+            "  materials  {}, {} with highlights ({} with real exponents), {} reflecting, {} \
+             refracting",
+            materials.all,
+            materials.shining,
+            materials.with_real_exponents,
+            materials.reflecting,
+            materials.refracting
+        )?;
+        let depth = &self.depth;
+        writeln!(
+            f,
+            "  depth      {} of {}, {} by weight of 1/512",
+            depth.reach, depth.limit, depth.visible
+        )?;
+        if let Some([min, max]) = self.bounds {
+            let [min, max] = [min, max].map(|it| it.map(|it| it as f32));
+            writeln!(f, "  bounds     {min:?} to {max:?}")?;
+        }
+        if self.scale_exponent != 0 {
+            writeln!(
+                f,
+                "  scale      cast after division by 2^{}",
+                self.scale_exponent
+            )?;
+        }
+        writeln!(f, "  features   {}", self.features.join(", "))?;
+        let bytes = &self.bytes;
+        writeln!(
+            f,
+            "  bytes      {} (objects {}, materials {}, lights {})",
+            bytes.total, bytes.objects, bytes.materials, bytes.lights
+        )?;
+        for warning in &self.warnings {
+            match (warning.line, warning.column) {
+                (Some(line), Some(column)) => {
+                    let file = &self.file;
+                    writeln!(f, "warning: {file}:{line}:{column}: {}", warning.message)?;
+                }
+                _ => writeln!(f, "warning: {}: {}", self.file, warning.message)?,
+            }
+        }
+        Ok(())
+    }
+}

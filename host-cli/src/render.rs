@@ -1,0 +1,124 @@
+//! Whole pictures, on all cores.
+
+use std::ops::Range;
+
+use glam::Vec3;
+use rayon::prelude::*;
+use whitted::picture::{quantize, to_rgb8};
+use whitted::{Counters, Exact, Tracer, View};
+
+use crate::picture::Transfer;
+use crate::scene::AnyScene;
+use crate::scene_file::limits;
+
+/// How far rays are followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Longest chain of rays, the eye ray counted as 1; at most [`limits::DEPTH`].
+    pub depth: usize,
+    /// As [`Tracer::threshold`].
+    pub threshold: f32,
+}
+
+/// Most pixels that are held at a time.
+const BATCH: usize = 1 << 20;
+
+/// Renders rows of a picture and gives them to `emit`, in order, some whole rows at a time, as linear
+/// RGB. Calls `row_done` after each, from any thread, in any order.
+///
+/// Every pixel is computed alone: neither the number of threads nor the choice of rows changes a bit.
+///
+/// # Errors
+///
+/// What `emit` returns; nothing is rendered after that.
+pub fn render<E>(
+    scene: &AnyScene<'_>,
+    view: &View,
+    rows: Range<u32>,
+    settings: Settings,
+    row_done: impl Fn() + Sync,
+    mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+) -> Result<Counters, E> {
+    let width = view.width as usize;
+    let mut counters = Counters::default();
+    let mut pixels = Vec::new();
+    let mut start = rows.start;
+    while start < rows.end {
+        let height = (BATCH / width).clamp(1, (rows.end - start) as usize);
+        pixels.resize(height * width, Vec3::ZERO);
+        counters += pixels
+            .par_chunks_exact_mut(width)
+            .zip(start..start + height as u32)
+            .map(|(pixels, row)| {
+                let counters = render_row(scene, view, row, settings, pixels);
+                row_done();
+                counters
+            })
+            .reduce(Counters::default, |mut sum, row| {
+                sum += row;
+                sum
+            });
+        emit(&pixels)?;
+        start += height as u32;
+    }
+    Ok(counters)
+}
+
+fn render_row(
+    scene: &AnyScene<'_>,
+    view: &View,
+    row: u32,
+    settings: Settings,
+    pixels: &mut [Vec3],
+) -> Counters {
+    let mut tracer = Tracer::<{ limits::DEPTH }, Exact, _>::with(Counters::default());
+    tracer.depth = settings.depth;
+    tracer.threshold = settings.threshold;
+    for (pixel, ray) in pixels.iter_mut().zip(view.rays(row)) {
+        *pixel = tracer.radiance(scene, ray);
+    }
+    tracer.counters
+}
+
+/// Pixels as bytes: red, green, blue.
+pub fn encode(pixels: &[Vec3], transfer: Transfer) -> Vec<u8> {
+    pixels
+        .par_iter()
+        .flat_map_iter(|&pixel| match transfer {
+            Transfer::Linear => to_rgb8(pixel),
+            Transfer::Srgb => pixel.to_array().map(|it| quantize(srgb(it))),
+        })
+        .collect()
+}
+
+/// What a display is to be sent for an amount of light, both from 0 to 1.
+///
+/// IEC 61966-2-1; by libm, which has the same bits everywhere.
+fn srgb(light: f32) -> f32 {
+    let light = f64::from(light.clamp(0.0, 1.0));
+    let signal = if light <= 0.003_130_8 {
+        12.92 * light
+    } else {
+        1.055 * libm::pow(light, 1.0 / 2.4) - 0.055
+    };
+    signal as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_becomes_bytes() {
+        let pixels = [
+            Vec3::new(0.0, 0.5, 1.0),
+            Vec3::new(-1.0, 2.0, f32::NAN),
+            Vec3::new(0.001, 0.2, f32::INFINITY),
+        ];
+        let linear = encode(&pixels, Transfer::Linear);
+        assert_eq!(linear, [0, 128, 255, 0, 255, 0, 0, 51, 255]);
+        // By the standard's formula: 0.5 is 187.5, 0.2 is 123.6 and 0.001 is 3.3 of 255.
+        let display = encode(&pixels, Transfer::Srgb);
+        assert_eq!(display, [0, 188, 255, 0, 255, 0, 3, 124, 255]);
+    }
+}

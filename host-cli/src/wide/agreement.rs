@@ -1,0 +1,483 @@
+//! Vectors answer as the kernels do, to the bit.
+
+use fearless_simd::Level;
+use whitted::{
+    Cuboid, Departure, Exact, Frustum, Geometry, Material, Object, Patch, Plane, Polygon, Ray,
+    Side, Sphere, Triangle, Vec3,
+};
+use whitted::{Glass, Math};
+
+use super::{Kinds, Wide, levels};
+
+type Stuff = Material<(), (), Glass>;
+
+const fn stuff(transmittance: f32) -> Stuff {
+    Material {
+        color: Vec3::ONE,
+        ambient: 0.0,
+        diffuse: 1.0,
+        highlight: (),
+        reflection: (),
+        transmission: Glass {
+            transmittance,
+            ior: 1.5,
+        },
+    }
+}
+
+static STUFF: [Stuff; 5] = [
+    stuff(0.0),
+    stuff(0.5),
+    stuff(0.9),
+    stuff(f32::NAN),
+    stuff(-1.0),
+];
+
+/// Marsaglia's xorshift64*.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u32 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32) as u32
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        self.bits() as usize % n
+    }
+
+    /// From -1 to 1.
+    fn signed(&mut self) -> f32 {
+        (self.bits() as i32) as f32 / i32::MAX as f32
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.signed(), self.signed(), self.signed())
+    }
+
+    fn unit(&mut self) -> Vec3 {
+        loop {
+            let v = self.vector();
+            if (0.01..1.0).contains(&v.length_squared()) {
+                return Exact::normalize(v);
+            }
+        }
+    }
+
+    fn pick<T: Copy>(&mut self, of: &[T]) -> T {
+        of[self.below(of.len())]
+    }
+}
+
+/// How a test's numbers come about.
+#[derive(Clone, Copy, Debug)]
+struct Style {
+    name: &'static str,
+    /// Objects of each kind.
+    each: usize,
+    /// Coordinates are whole multiples of this, so that ties abound; 0: they are not.
+    grid: f32,
+    /// Where the scene is.
+    offset: Vec3,
+    size: f32,
+    /// Some objects are hollow, some twins of others, some odd.
+    odd: bool,
+}
+
+const STYLES: [Style; 7] = [
+    Style {
+        name: "few",
+        each: 3,
+        grid: 0.0,
+        offset: Vec3::ZERO,
+        size: 0.6,
+        odd: false,
+    },
+    Style {
+        name: "many",
+        each: 150,
+        grid: 0.0,
+        offset: Vec3::ZERO,
+        size: 0.2,
+        odd: false,
+    },
+    Style {
+        name: "on a grid",
+        each: 60,
+        grid: 0.25,
+        offset: Vec3::ZERO,
+        size: 0.4,
+        odd: true,
+    },
+    Style {
+        name: "odd",
+        each: 40,
+        grid: 0.0,
+        offset: Vec3::ZERO,
+        size: 0.5,
+        odd: true,
+    },
+    Style {
+        name: "far from the origin",
+        each: 80,
+        grid: 0.0,
+        offset: Vec3::new(3000.0, -70_000.0, 10.0),
+        size: 0.3,
+        odd: false,
+    },
+    Style {
+        name: "tiny",
+        each: 80,
+        grid: 0.0,
+        offset: Vec3::ZERO,
+        size: 0.004,
+        odd: false,
+    },
+    Style {
+        name: "one inside another",
+        each: 50,
+        grid: 0.0,
+        offset: Vec3::ZERO,
+        size: 1.5,
+        odd: true,
+    },
+];
+
+/// A scene that owns its objects.
+struct Owned {
+    style: Style,
+    spheres: Vec<Object<'static, Sphere, Stuff>>,
+    planes: Vec<Object<'static, Plane, Stuff>>,
+    polygons: Vec<Object<'static, Polygon<'static>, Stuff>>,
+    triangles: Vec<Object<'static, Triangle, Stuff>>,
+    patches: Vec<Object<'static, Patch, Stuff>>,
+    cuboids: Vec<Object<'static, Cuboid, Stuff>>,
+    frusta: Vec<Object<'static, Frustum, Stuff>>,
+}
+
+/// Some of a list twice, so that there are ties between objects far apart in it.
+fn twins<T: Clone>(random: &mut Random, list: &mut Vec<T>) {
+    for _ in 0..list.len() / 4 {
+        let twin = list[random.below(list.len())].clone();
+        let place = random.below(list.len());
+        list.insert(place, twin);
+    }
+}
+
+impl Owned {
+    fn new(style: Style, random: &mut Random) -> Self {
+        let mut scene = Self {
+            style,
+            spheres: Vec::new(),
+            planes: Vec::new(),
+            polygons: Vec::new(),
+            triangles: Vec::new(),
+            patches: Vec::new(),
+            cuboids: Vec::new(),
+            frusta: Vec::new(),
+        };
+        for _ in 0..style.each {
+            scene.add(random);
+        }
+        if style.odd {
+            scene.add_odd();
+            twins(random, &mut scene.spheres);
+            twins(random, &mut scene.polygons);
+            twins(random, &mut scene.triangles);
+            twins(random, &mut scene.patches);
+            twins(random, &mut scene.cuboids);
+            twins(random, &mut scene.frusta);
+        }
+        scene
+    }
+
+    fn point(style: Style, random: &mut Random) -> Vec3 {
+        let point = random.vector() * 2.0;
+        let point = if style.grid > 0.0 {
+            (point / style.grid).round() * style.grid
+        } else {
+            point
+        };
+        point + style.offset
+    }
+
+    /// A point around another.
+    fn near(style: Style, random: &mut Random, point: Vec3) -> Vec3 {
+        let step = random.vector() * style.size;
+        point
+            + if style.grid > 0.0 {
+                (step / style.grid).round() * style.grid
+            } else {
+                step
+            }
+    }
+
+    fn add(&mut self, random: &mut Random) {
+        let style = self.style;
+        let center = Self::point(style, random);
+        let material = &STUFF[random.below(3)];
+        let radius = if style.grid > 0.0 {
+            style.grid
+        } else {
+            style.size * (0.2 + random.signed().abs())
+        };
+        let radius = if style.odd && random.below(3) == 0 {
+            -radius
+        } else {
+            radius
+        };
+        self.spheres.push(Object {
+            shape: Sphere { center, radius },
+            material,
+        });
+        if self.planes.len() < 2 {
+            let shape = Plane {
+                point: style.offset + Vec3::NEG_Y * (2.5 + self.planes.len() as f32),
+                normal: Vec3::Y,
+            };
+            self.planes.push(Object { shape, material });
+        }
+        let mut corner = || Self::near(style, random, center);
+        let corners = [corner(), corner(), corner()];
+        if let Ok(shape) = Triangle::new(corners) {
+            self.triangles.push(Object { shape, material });
+        }
+        if let Ok(shape) = Patch::new(corners, [Vec3::X, Vec3::Y, Vec3::Z]) {
+            self.patches.push(Object { shape, material });
+        }
+        // Regular outlines around a center, every other vertex drawn in.
+        let count = 3 + random.below(17);
+        let (u, v) = (random.unit(), random.unit());
+        let inner = 0.3 + random.signed().abs();
+        let vertices: Vec<_> = (0..count)
+            .map(|i| {
+                let angle = i as f32 / count as f32 * std::f32::consts::TAU;
+                let radius = style.size * if i % 2 == 0 { 1.0 } else { inner };
+                center + (u * angle.cos() + v * angle.sin()) * radius
+            })
+            .collect();
+        if let Ok(polygon) = Polygon::new(vertices.leak()) {
+            self.polygons.push(Object {
+                shape: polygon,
+                material,
+            });
+        }
+        let other = Self::near(style, random, center);
+        if let Ok(shape) = Cuboid::new(center.min(other), center.max(other)) {
+            self.cuboids.push(Object { shape, material });
+        }
+        let tip = radius * random.pick(&[0.0, 0.5, 1.0, 3.0]);
+        if let Ok(shape) = Frustum::new(center, radius, other, tip) {
+            self.frusta.push(Object { shape, material });
+        }
+    }
+
+    /// What no constructor accepts, or what is beyond all proportion.
+    fn add_odd(&mut self) {
+        let material = &STUFF[3];
+        for (center, radius) in [
+            (Vec3::ZERO, 0.0),
+            (Vec3::NAN, 1.0),
+            (Vec3::ZERO, f32::NAN),
+            (Vec3::ZERO, f32::INFINITY),
+            (Vec3::Y * -1e6, 1e6),
+            (Vec3::Y * -1e25, 1e25),
+            (Vec3::ONE, 1e-30),
+        ] {
+            self.spheres.push(Object {
+                shape: Sphere { center, radius },
+                material,
+            });
+        }
+        for vertices in [
+            [Vec3::ZERO, Vec3::X * 1e24, Vec3::Y],
+            [Vec3::ZERO, Vec3::X * f32::INFINITY, Vec3::Y],
+            [Vec3::ZERO, Vec3::NAN, Vec3::Y],
+            [Vec3::ZERO, Vec3::X, Vec3::X],
+            [Vec3::ZERO, Vec3::X, Vec3::new(0.5, 0.5, 0.5)],
+        ] {
+            for normal in [Vec3::Z, Vec3::ZERO, Vec3::Z * 3.0, Vec3::NAN] {
+                let shape = Triangle { vertices, normal };
+                self.triangles.push(Object { shape, material });
+            }
+        }
+        for vertices in [&[] as &[Vec3], &[Vec3::ONE], &[Vec3::ZERO, Vec3::X]] {
+            let normal = Vec3::Z;
+            self.polygons.push(Object {
+                shape: Polygon { vertices, normal },
+                material,
+            });
+        }
+        for (min, max) in [
+            (Vec3::ONE, Vec3::ZERO),
+            (Vec3::NAN, Vec3::ONE),
+            (Vec3::splat(-1e30), Vec3::splat(1e30)),
+            (Vec3::NEG_INFINITY, Vec3::INFINITY),
+            (Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)),
+        ] {
+            self.cuboids.push(Object {
+                shape: Cuboid { min, max },
+                material,
+            });
+        }
+        for (axis, length, base_radius, slope) in [
+            (Vec3::Y * 2.0, 1.0, 0.5, 0.0),
+            (Vec3::Y, 0.0, 0.5, 0.0),
+            (Vec3::Y, 1.0, 0.5, 1000.0),
+            (Vec3::Y, 0.001, 1.0, -40.0),
+            (Vec3::Y, f32::INFINITY, 0.1, 0.1),
+            (Vec3::NAN, 1.0, 0.1, 0.1),
+        ] {
+            let base = Vec3::new(0.5, -1.0, 0.25);
+            self.frusta.push(Object {
+                shape: Frustum {
+                    base,
+                    axis,
+                    length,
+                    base_radius,
+                    slope,
+                },
+                material,
+            });
+        }
+    }
+
+    fn kinds(&self) -> Kinds<'_, Stuff> {
+        (
+            &self.spheres,
+            (
+                &self.planes,
+                (
+                    &self.polygons,
+                    (
+                        &self.triangles,
+                        (&self.patches, (&self.cuboids, &self.frusta)),
+                    ),
+                ),
+            ),
+        )
+    }
+
+    /// A ray of one of many sorts.
+    fn ray(&self, random: &mut Random) -> Ray {
+        let style = self.style;
+        let mut origin = Self::point(style, random);
+        let mut direction = random.unit();
+        match random.below(12) {
+            0 => origin = style.offset + random.unit() * 1e5,
+            1 => origin = style.offset + random.unit() * 30.0,
+            2 => direction = random.pick(&[Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::NEG_Z]),
+            3 => direction = random.pick(&[Vec3::new(0.6, -0.0, 0.8), Vec3::new(-0.0, 0.8, -0.6)]),
+            4 => direction = Exact::normalize(direction * Vec3::new(1.0, 1e-7, 1e-20)),
+            5 => direction = random.pick(&[Vec3::NAN, Vec3::ZERO, Vec3::INFINITY, Vec3::X * 1e-30]),
+            6 => direction *= random.pick(&[0.999, 1.001, 2.0, 1e10]),
+            7 => origin = random.pick(&[Vec3::NAN, Vec3::INFINITY, Vec3::X * 1e30]),
+            8 => direction = Vec3::new(1.0, f32::from_bits(1), -1e-39),
+            _ => {}
+        }
+        if random.below(2) == 0 {
+            // At something: its middle, or where it is touched.
+            let sphere = random.below(self.spheres.len());
+            let sphere = self.spheres[sphere].shape;
+            let target = match random.below(3) {
+                0 => sphere.center,
+                1 => sphere.center + random.unit() * sphere.radius,
+                _ => {
+                    let triangle = random.below(self.triangles.len().max(1));
+                    let vertices = self.triangles.get(triangle).map(|it| it.shape.vertices);
+                    let [a, b, c] = vertices.unwrap_or([Vec3::ZERO; 3]);
+                    random.pick(&[a, (a + b) * 0.5, (a + b + c) / 3.0])
+                }
+            };
+            let to_target = target - origin;
+            if to_target.length_squared().is_normal() {
+                direction = Exact::normalize(to_target);
+            }
+        }
+        let t_max = match random.below(8) {
+            0..4 => f32::INFINITY,
+            4 => random.pick(&[0.0, -1.0, f32::NAN, f32::MAX, 1e-40]),
+            _ => random.signed().abs() * 3.0,
+        };
+        let departure = (random.below(4) == 0).then(|| Departure {
+            object: random.below(self.kinds().len() + 3),
+            side: random.pick(&[Side::Inside, Side::Outside]),
+        });
+        Ray {
+            origin,
+            direction,
+            t_max,
+            departure,
+        }
+    }
+}
+
+/// The bits of everything that can be asked about a ray.
+fn answers<G: Geometry<Material = Stuff>>(geometry: &G, ray: &Ray) -> impl PartialEq + core::fmt::Debug {
+    let hit = geometry.closest_hit(ray).map(|hit| {
+        let normal = hit.normal.to_array().map(f32::to_bits);
+        (hit.t.to_bits(), hit.object, normal, hit.front)
+    });
+    (hit, geometry.occluded(ray), geometry.transmittance(ray).to_bits())
+}
+
+/// How many rays hit, pass unhindered, and are dimmed.
+fn compare(scene: &Owned, level: Level, flat: usize, rays: usize, random: &mut Random) -> [u32; 3] {
+    let kinds = scene.kinds();
+    let wide = Wide::with(kinds, level, flat);
+    assert_eq!(wide.len(), kinds.len());
+    // As the right part of a pair, all places are shifted.
+    let before = [Object {
+        shape: Sphere {
+            center: Vec3::splat(1e4),
+            radius: 1.0,
+        },
+        material: &STUFF[0],
+    }];
+    let before = before.as_slice();
+    let mut counts = [0; 3];
+    for _ in 0..rays {
+        let mut ray = scene.ray(random);
+        for _ in 0..3 {
+            let expected = answers(&kinds, &ray);
+            assert_eq!(answers(&wide, &ray), expected, "{:?} {ray:?}", scene.style);
+            let (narrow, wide) = ((before, kinds), (before, &wide));
+            assert_eq!(answers(&wide, &ray), answers(&narrow, &ray), "{ray:?}");
+            let light = kinds.transmittance(&ray);
+            counts[0] += u32::from(kinds.closest_hit(&ray).is_some());
+            counts[1] += u32::from(light == 1.0);
+            counts[2] += u32::from(light > 0.0 && light < 1.0);
+            // On from there, mirrored or through.
+            let Some(hit) = kinds.closest_hit(&ray) else {
+                break;
+            };
+            let direction = random.unit();
+            ray = if direction.dot(hit.normal) > 0.0 {
+                hit.back(direction)
+            } else {
+                hit.through(direction)
+            };
+        }
+    }
+    counts
+}
+
+#[test]
+fn every_level_answers_as_the_kernels_do() {
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    for style in STYLES {
+        let scene = Owned::new(style, &mut random);
+        for (name, level) in levels() {
+            for flat in [0, usize::MAX] {
+                let [hits, free, dimmed] = compare(&scene, level, flat, 1500, &mut random);
+                assert!(
+                    hits > 200 && free > 50 && dimmed > 20,
+                    "{name}, {}: {hits} hits, {free} free, {dimmed} dimmed say nothing",
+                    style.name
+                );
+            }
+        }
+    }
+}

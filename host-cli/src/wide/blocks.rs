@@ -1,0 +1,309 @@
+//! All blocks of a scene, by kind.
+
+use fearless_simd::{Simd, SimdMask};
+use glam::Vec3;
+use whitted::{Finish, Ray};
+
+use super::bounds;
+use super::build::Item;
+use super::cuboid::Cuboids;
+use super::frustum::Frusta;
+use super::lanes::Lanes;
+use super::outline::{Outline, Outlines};
+use super::parts::Parts;
+use super::rays::{Needs, RayLanes};
+use super::sphere::Spheres;
+
+/// What the lanes of a block are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    Sphere,
+    /// Visible from inside only.
+    HollowSphere,
+    Triangle,
+    Quad,
+    /// A polygon of any other size, alone in its block: its edges are the lanes.
+    Outline,
+    Cuboid,
+    Frustum,
+    /// Visible from inside only.
+    HollowFrustum,
+}
+
+impl Kind {
+    pub const ALL: [Self; 8] = [
+        Self::Sphere,
+        Self::HollowSphere,
+        Self::Triangle,
+        Self::Quad,
+        Self::Outline,
+        Self::Cuboid,
+        Self::Frustum,
+        Self::HollowFrustum,
+    ];
+}
+
+/// The blocks of one kind, and what their lanes stand for.
+#[derive(Clone, Debug)]
+pub struct Shelf<B, const N: usize> {
+    pub blocks: Vec<B>,
+    pub labels: Vec<Labels<N>>,
+}
+
+/// What the lanes of a block stand for.
+#[derive(Clone, Copy, Debug)]
+pub struct Labels<const N: usize> {
+    /// Places in the geometry.
+    pub objects: [u32; N],
+    /// A bit a lane: whether no light goes through.
+    pub opaque: u32,
+}
+
+impl<B, const N: usize> Default for Shelf<B, N> {
+    fn default() -> Self {
+        Self {
+            blocks: Vec::new(),
+            labels: Vec::new(),
+        }
+    }
+}
+
+impl<B, const N: usize> Shelf<B, N> {
+    fn push(&mut self, block: B, labels: Labels<N>) -> usize {
+        self.blocks.push(block);
+        self.labels.push(labels);
+        self.blocks.len() - 1
+    }
+}
+
+/// The blocks of a scene, `N` objects each.
+#[derive(Clone, Debug, Default)]
+pub struct Blocks<const N: usize> {
+    pub spheres: Shelf<Spheres<N>, N>,
+    pub hollow_spheres: Shelf<Spheres<N>, N>,
+    pub triangles: Shelf<Outlines<3, N>, N>,
+    pub quads: Shelf<Outlines<4, N>, N>,
+    pub outlines: Shelf<Outline, N>,
+    pub cuboids: Shelf<Cuboids<N>, N>,
+    pub frusta: Shelf<Frusta<N>, N>,
+    pub hollow_frusta: Shelf<Frusta<N>, N>,
+}
+
+/// Which lanes of a block meet a ray, and where.
+pub struct Found<'a, V, const N: usize> {
+    pub t: V,
+    /// A bit a lane.
+    pub lanes: u32,
+    pub labels: &'a Labels<N>,
+}
+
+impl<const N: usize> Blocks<N> {
+    /// How many objects a block of some kind holds.
+    pub fn capacity(kind: Kind) -> usize {
+        if kind == Kind::Outline { 1 } else { N }
+    }
+
+    /// Which terms of a ray the blocks ask for.
+    pub fn needs(&self) -> Needs {
+        let outlines = self.outlines.blocks.len();
+        Needs {
+            shear: self.triangles.blocks.len() + self.quads.blocks.len() + outlines > 0,
+            slabs: !self.cuboids.blocks.is_empty(),
+        }
+    }
+
+    /// The bytes of all blocks and labels.
+    pub fn bytes(&self) -> usize {
+        fn shelf<B, const N: usize>(shelf: &Shelf<B, N>) -> usize {
+            shelf.blocks.len() * size_of::<B>() + shelf.labels.len() * size_of::<Labels<N>>()
+        }
+        let rows = self.outlines.blocks.iter().map(Outline::bytes);
+        shelf(&self.spheres)
+            + shelf(&self.hollow_spheres)
+            + shelf(&self.triangles)
+            + shelf(&self.quads)
+            + shelf(&self.outlines)
+            + rows.sum::<usize>()
+            + shelf(&self.cuboids)
+            + shelf(&self.frusta)
+            + shelf(&self.hollow_frusta)
+    }
+
+    /// How many blocks of a kind there are.
+    pub fn len(&self, kind: Kind) -> usize {
+        match kind {
+            Kind::Sphere => self.spheres.blocks.len(),
+            Kind::HollowSphere => self.hollow_spheres.blocks.len(),
+            Kind::Triangle => self.triangles.blocks.len(),
+            Kind::Quad => self.quads.blocks.len(),
+            Kind::Outline => self.outlines.blocks.len(),
+            Kind::Cuboid => self.cuboids.blocks.len(),
+            Kind::Frustum => self.frusta.blocks.len(),
+            Kind::HollowFrustum => self.hollow_frusta.blocks.len(),
+        }
+    }
+
+    /// Adds a block of items, all of one kind and no more than fit, and says which of its kind it is.
+    pub fn push<M: Finish>(&mut self, parts: &Parts<'_, M>, items: &mut [Item]) -> usize {
+        // Of equally near lanes the first is the one with the lowest place.
+        items.sort_unstable_by_key(|item| item.object);
+        let mut labels = Labels {
+            objects: [u32::MAX; N],
+            opaque: 0,
+        };
+        for (lane, item) in items.iter().enumerate() {
+            labels.objects[lane] = item.object;
+            if parts.is_opaque(item.object as usize) {
+                labels.opaque |= 1 << lane;
+            }
+        }
+        let places = items.iter().map(|item| item.object as usize);
+        match items[0].kind {
+            Kind::Sphere | Kind::HollowSphere => {
+                let part = &parts.spheres;
+                let block = Spheres::new(places.map(|it| part.objects[it - part.first].shape));
+                if items[0].kind == Kind::Sphere {
+                    self.spheres.push(block, labels)
+                } else {
+                    self.hollow_spheres.push(block, labels)
+                }
+            }
+            Kind::Triangle => {
+                let block = Outlines::new(places.map(|it| corners(parts, it)));
+                self.triangles.push(block, labels)
+            }
+            Kind::Quad => {
+                let block = Outlines::new(places.map(|it| corners(parts, it)));
+                self.quads.push(block, labels)
+            }
+            Kind::Outline => {
+                let (vertices, normal) = parts.outline(items[0].object as usize);
+                let block = Outline::new::<N>(vertices, normal);
+                self.outlines.push(block, labels)
+            }
+            Kind::Cuboid => {
+                let part = &parts.cuboids;
+                let block = Cuboids::new(places.map(|it| part.objects[it - part.first].shape));
+                self.cuboids.push(block, labels)
+            }
+            Kind::Frustum | Kind::HollowFrustum => {
+                let part = &parts.frusta;
+                let block = Frusta::new(places.map(|it| part.objects[it - part.first].shape));
+                if items[0].kind == Kind::Frustum {
+                    self.frusta.push(block, labels)
+                } else {
+                    self.hollow_frusta.push(block, labels)
+                }
+            }
+        }
+    }
+
+    /// Casts a ray into a block, for points up to `limit`.
+    #[inline(always)]
+    pub fn meet<S: Simd, V: Lanes<S>>(
+        &self,
+        simd: S,
+        kind: Kind,
+        index: usize,
+        ray: &Ray,
+        lanes: &RayLanes<V>,
+        limit: f32,
+    ) -> Found<'_, V, N> {
+        let upto = V::simd_from(simd, limit);
+        macro_rules! meet {
+            ($shelf:ident, $block:ident => $meeting:expr) => {{
+                let $block = &self.$shelf.blocks[index];
+                let meeting = $meeting;
+                Found {
+                    t: meeting.t,
+                    lanes: meeting.met.to_bitmask() as u32,
+                    labels: &self.$shelf.labels[index],
+                }
+            }};
+        }
+        match kind {
+            Kind::Sphere => meet!(spheres, it => it.meet::<S, V, false>(simd, lanes, upto)),
+            Kind::HollowSphere => {
+                meet!(hollow_spheres, it => it.meet::<S, V, true>(simd, lanes, upto))
+            }
+            Kind::Triangle => meet!(triangles, it => it.meet(simd, lanes, upto)),
+            Kind::Quad => meet!(quads, it => it.meet(simd, lanes, upto)),
+            Kind::Cuboid => meet!(cuboids, it => it.meet(simd, lanes, upto)),
+            Kind::Frustum => meet!(frusta, it => it.meet::<S, V, false>(simd, lanes, upto)),
+            Kind::HollowFrustum => {
+                meet!(hollow_frusta, it => it.meet::<S, V, true>(simd, lanes, upto))
+            }
+            Kind::Outline => {
+                let t = self.outlines.blocks[index].meet::<S, V, N>(simd, ray, lanes, limit);
+                Found {
+                    t: V::simd_from(simd, t.unwrap_or(0.0)),
+                    lanes: u32::from(t.is_some()),
+                    labels: &self.outlines.labels[index],
+                }
+            }
+        }
+    }
+}
+
+fn corners<M, const CORNERS: usize>(
+    parts: &Parts<'_, M>,
+    object: usize,
+) -> ([Vec3; CORNERS], Vec3) {
+    let (vertices, normal) = parts.outline(object);
+    let mut corners = [Vec3::ZERO; CORNERS];
+    corners.copy_from_slice(vertices);
+    (corners, normal)
+}
+
+/// All objects that a tree can hold, and the places of those that it cannot: because a number of
+/// theirs is so large or so odd that nothing is known about where their kernels report hits.
+pub fn items<M>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
+    let planes = parts.planes.objects.len();
+    let mut items = Vec::with_capacity(parts.len() - planes);
+    let mut odd = Vec::new();
+    let mut add = |place: usize, kind, bounds| match bounds {
+        Some(bounds) => items.push(Item {
+            bounds,
+            kind,
+            object: place as u32,
+        }),
+        None => odd.push(place as u32),
+    };
+    for (place, object) in parts.spheres.places() {
+        let sphere = &object.shape;
+        let kind = if sphere.radius > 0.0 {
+            Kind::Sphere
+        } else {
+            Kind::HollowSphere
+        };
+        add(place, kind, bounds::of_sphere(sphere));
+    }
+    let outlines = (parts.polygons.places().map(|(place, _)| place))
+        .chain(parts.triangles.places().map(|(place, _)| place))
+        .chain(parts.patches.places().map(|(place, _)| place));
+    for place in outlines {
+        let (vertices, normal) = parts.outline(place);
+        let kind = match vertices.len() {
+            3 => Kind::Triangle,
+            4 => Kind::Quad,
+            _ => Kind::Outline,
+        };
+        add(place, kind, bounds::of_outline(vertices, normal));
+    }
+    for (place, object) in parts.cuboids.places() {
+        add(place, Kind::Cuboid, bounds::of_cuboid(&object.shape));
+    }
+    for (place, object) in parts.frusta.places() {
+        let frustum = &object.shape;
+        // As the kernel asks it.
+        let middle = frustum.base_radius + frustum.slope * (0.5 * frustum.length);
+        let kind = if middle > 0.0 {
+            Kind::Frustum
+        } else {
+            Kind::HollowFrustum
+        };
+        add(place, kind, bounds::of_frustum(frustum));
+    }
+    (items, odd)
+}

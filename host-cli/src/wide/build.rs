@@ -1,0 +1,247 @@
+//! Binary hierarchies by the surface-area heuristic, then wide ones from those.
+//!
+//! I. Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on
+//! Interactive Ray Tracing 2007 (bins); I. Wald, C. Benthin, S. Boulos, "Getting Rid of Packets", IEEE
+//! Symposium on Interactive Ray Tracing 2008 (wide nodes by opening the largest child).
+
+use glam::Vec3A;
+
+use super::blocks::Kind;
+use super::bounds::Bounds;
+
+/// An object to be put into a tree.
+#[derive(Clone, Copy, Debug)]
+pub struct Item {
+    pub bounds: Bounds,
+    pub kind: Kind,
+    /// Its place in the geometry.
+    pub object: u32,
+}
+
+/// A node of a binary tree over a slice of items that was reordered for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Binary {
+    pub bounds: Bounds,
+    /// Of a leaf, where its items start; of an inner node, where its two children stand.
+    pub first: u32,
+    /// How many items a leaf has; 0 for an inner node.
+    pub count: u32,
+}
+
+const BINS: usize = 16;
+
+/// How items are parted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Where rays are expected to have the least to do.
+    Area,
+    /// In halves, so that no tree is deeper than the logarithm of its size.
+    Halves,
+}
+
+/// Reorders items and builds the binary tree over them, root first. A leaf holds at most `leaf`
+/// items, all of one kind.
+pub fn binary(
+    items: &mut [Item],
+    leaf: impl Fn(Kind) -> usize + Copy,
+    method: Method,
+) -> Vec<Binary> {
+    let mut nodes = Vec::with_capacity(items.len());
+    nodes.push(Binary {
+        bounds: bounds_of(items),
+        first: 0,
+        count: items.len() as u32,
+    });
+    // Each becomes a leaf or two smaller nodes.
+    let mut pending = vec![0];
+    while let Some(place) = pending.pop() {
+        let node: Binary = nodes[place];
+        let range = node.first as usize..(node.first + node.count) as usize;
+        if let Some(split) = split(&mut items[range.clone()], leaf, method) {
+            nodes[place].first = nodes.len() as u32;
+            nodes[place].count = 0;
+            for (bounds, range) in [
+                (split.bounds[0], range.start..range.start + split.at),
+                (split.bounds[1], range.start + split.at..range.end),
+            ] {
+                pending.push(nodes.len());
+                nodes.push(Binary {
+                    bounds,
+                    first: range.start as u32,
+                    count: range.len() as u32,
+                });
+            }
+        }
+    }
+    nodes
+}
+
+struct Split {
+    at: usize,
+    bounds: [Bounds; 2],
+}
+
+fn bounds_of(items: &[Item]) -> Bounds {
+    let mut bounds = Bounds::EMPTY;
+    for item in items {
+        bounds.grow(&item.bounds);
+    }
+    bounds
+}
+
+/// Parts the items in two; `None` where they are a leaf.
+fn split(items: &mut [Item], leaf: impl Fn(Kind) -> usize, method: Method) -> Option<Split> {
+    let kind = items.first()?.kind;
+    if items.len() <= leaf(kind) {
+        let others = partition(items, |item| item.kind == kind);
+        return (others < items.len()).then(|| at(items, others));
+    }
+    if method == Method::Area
+        && let Some(split) = by_bins(items)
+    {
+        return Some(split);
+    }
+    let half = items.len() / 2;
+    let Bounds { min, max } = bounds_of(items);
+    let axis = (max - min).max_position();
+    items.select_nth_unstable_by(half, |a, b| center(a)[axis].total_cmp(&center(b)[axis]));
+    Some(at(items, half))
+}
+
+fn at(items: &[Item], at: usize) -> Split {
+    Split {
+        at,
+        bounds: [bounds_of(&items[..at]), bounds_of(&items[at..])],
+    }
+}
+
+/// Twice the middle of an item's box.
+#[inline(always)]
+fn center(item: &Item) -> Vec3A {
+    item.bounds.min + item.bounds.max
+}
+
+#[derive(Clone, Copy)]
+struct Bin {
+    bounds: Bounds,
+    count: u32,
+}
+
+fn by_bins(items: &mut [Item]) -> Option<Split> {
+    let (mut low, mut high) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+    for item in items.iter() {
+        let center = center(item);
+        low = low.min(center);
+        high = high.max(center);
+    }
+    // The greatest center falls into the last bin, not beyond it.
+    let size = high - low;
+    let scale = BINS as f32 * (1.0 - 1.0 / (1 << 20) as f32) / size;
+    // Not where all centers are equal, nor where their distances leave the range of `f32`.
+    let usable = [0, 1, 2].map(|axis| size[axis] > 0.0 && scale[axis] < f32::INFINITY);
+    if !usable.contains(&true) {
+        return None;
+    }
+    let scale = Vec3A::new(
+        if usable[0] { scale.x } else { 0.0 },
+        if usable[1] { scale.y } else { 0.0 },
+        if usable[2] { scale.z } else { 0.0 },
+    );
+    let bin_of = |item: &Item| ((center(item) - low) * scale).to_array().map(|x| x as usize & (BINS - 1));
+    let empty = Bin {
+        bounds: Bounds::EMPTY,
+        count: 0,
+    };
+    let mut bins = [[empty; BINS]; 3];
+    for item in items.iter() {
+        let place = bin_of(item);
+        for axis in 0..3 {
+            let bin = &mut bins[axis][place[axis]];
+            bin.bounds.grow(&item.bounds);
+            bin.count += 1;
+        }
+    }
+    let mut best = (f32::INFINITY, 0, 0);
+    for axis in 0..3 {
+        // Costs of all that lies right of each bin's left edge.
+        let mut right = [0.0; BINS];
+        let mut sum = empty;
+        for place in (1..BINS).rev() {
+            sum.bounds.grow(&bins[axis][place].bounds);
+            sum.count += bins[axis][place].count;
+            right[place] = cost(&sum);
+        }
+        let mut sum = empty;
+        for place in 1..BINS {
+            sum.bounds.grow(&bins[axis][place - 1].bounds);
+            sum.count += bins[axis][place - 1].count;
+            let cost = cost(&sum) + right[place];
+            if cost < best.0 && sum.count > 0 && (sum.count as usize) < items.len() {
+                best = (cost, axis, place);
+            }
+        }
+    }
+    let (cost, axis, place) = best;
+    if !(cost < f32::INFINITY) {
+        return None;
+    }
+    let mut bounds = [Bounds::EMPTY; 2];
+    for (i, bin) in bins[axis].iter().enumerate() {
+        bounds[usize::from(i >= place)].grow(&bin.bounds);
+    }
+    let at = partition(items, |item| bin_of(item)[axis] < place);
+    Some(Split { at, bounds })
+}
+
+fn cost(bin: &Bin) -> f32 {
+    if bin.count == 0 {
+        0.0
+    } else {
+        bin.bounds.area() * bin.count as f32
+    }
+}
+
+/// Moves the items for which `left` holds to the front, and says how many there are.
+fn partition(items: &mut [Item], left: impl Fn(&Item) -> bool) -> usize {
+    let (mut start, mut end) = (0, items.len());
+    loop {
+        while start < end && left(&items[start]) {
+            start += 1;
+        }
+        while start < end && !left(&items[end - 1]) {
+            end -= 1;
+        }
+        if start >= end {
+            return start;
+        }
+        items.swap(start, end - 1);
+        start += 1;
+        end -= 1;
+    }
+}
+
+/// The up to `width` nodes that stand below `node` once its largest children are opened.
+pub fn opened(nodes: &[Binary], node: &Binary, width: usize) -> Vec<Binary> {
+    let mut open = Vec::with_capacity(width);
+    let children = |node: &Binary| {
+        let first = node.first as usize;
+        [nodes[first], nodes[first + 1]]
+    };
+    if node.count > 0 {
+        open.push(*node);
+        return open;
+    }
+    open.extend(children(node));
+    while open.len() < width {
+        let largest = (0..open.len())
+            .filter(|&i| open[i].count == 0)
+            .max_by(|&a, &b| open[a].bounds.area().total_cmp(&open[b].bounds.area()));
+        let Some(largest) = largest else {
+            break;
+        };
+        let [left, right] = children(&open[largest]);
+        open[largest] = left;
+        open.push(right);
+    }
+    open
+}

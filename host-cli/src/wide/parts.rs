@@ -1,0 +1,194 @@
+//! The objects themselves, by their place in the geometry.
+
+use whitted::material::Transmission;
+use whitted::math::Transmittance;
+use whitted::{
+    Cuboid, Finish, Frustum, Geometry, Math, Object, Patch, Plane, Polygon, Ray, Shape, Sphere,
+    Triangle, Vec3,
+};
+
+use super::bounds::STEEP;
+
+/// Objects of one kind.
+pub type Slice<'a, S, M> = &'a [Object<'a, S, M>];
+
+/// Objects of every kind, in the order that decides ties.
+pub type Kinds<'a, M> = (
+    Slice<'a, Sphere, M>,
+    (
+        Slice<'a, Plane, M>,
+        (
+            Slice<'a, Polygon<'a>, M>,
+            (
+                Slice<'a, Triangle, M>,
+                (
+                    Slice<'a, Patch, M>,
+                    (Slice<'a, Cuboid, M>, Slice<'a, Frustum, M>),
+                ),
+            ),
+        ),
+    ),
+);
+
+/// [`Kinds`] with names, and the place of each kind's first object.
+#[derive(Debug)]
+pub struct Parts<'a, M> {
+    pub kinds: Kinds<'a, M>,
+    pub spheres: Part<'a, Sphere, M>,
+    pub planes: Part<'a, Plane, M>,
+    pub polygons: Part<'a, Polygon<'a>, M>,
+    pub triangles: Part<'a, Triangle, M>,
+    pub patches: Part<'a, Patch, M>,
+    pub cuboids: Part<'a, Cuboid, M>,
+    pub frusta: Part<'a, Frustum, M>,
+}
+
+/// Objects of one kind, and the place of the first.
+#[derive(Debug)]
+pub struct Part<'a, S, M> {
+    pub objects: Slice<'a, S, M>,
+    pub first: usize,
+}
+
+impl<S, M> Clone for Part<'_, S, M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S, M> Copy for Part<'_, S, M> {}
+
+impl<M> Clone for Parts<'_, M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M> Copy for Parts<'_, M> {}
+
+impl<'a, S, M> Part<'a, S, M> {
+    /// The objects after `self`'s.
+    fn then<T>(&self, objects: Slice<'a, T, M>) -> Part<'a, T, M> {
+        Part {
+            objects,
+            first: self.first + self.objects.len(),
+        }
+    }
+
+    fn holds(&self, object: usize) -> bool {
+        (self.first..self.first + self.objects.len()).contains(&object)
+    }
+
+    /// The objects and their places.
+    pub fn places(&self) -> impl Iterator<Item = (usize, &'a Object<'a, S, M>)> + use<'a, S, M> {
+        (self.first..).zip(self.objects)
+    }
+}
+
+/// Calls `$use` with the part that holds an object and the object.
+macro_rules! with_object {
+    ($parts:expr, $object:expr, |$shape:ident| $use:expr) => {{
+        let (parts, place) = ($parts, $object);
+        macro_rules! in_part {
+            ($name:ident) => {
+                if parts.$name.holds(place) {
+                    let $shape = &parts.$name.objects[place - parts.$name.first];
+                    return $use;
+                }
+            };
+        }
+        in_part!(spheres);
+        in_part!(polygons);
+        in_part!(triangles);
+        in_part!(patches);
+        in_part!(cuboids);
+        in_part!(frusta);
+        in_part!(planes);
+    }};
+}
+
+impl<'a, M> Parts<'a, M> {
+    pub fn new(kinds: Kinds<'a, M>) -> Self {
+        let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, frusta)))))) = kinds;
+        let spheres = Part {
+            objects: spheres,
+            first: 0,
+        };
+        let planes = spheres.then(planes);
+        let polygons = planes.then(polygons);
+        let triangles = polygons.then(triangles);
+        let patches = triangles.then(patches);
+        let cuboids = patches.then(cuboids);
+        let frusta = cuboids.then(frusta);
+        Self {
+            kinds,
+            spheres,
+            planes,
+            polygons,
+            triangles,
+            patches,
+            cuboids,
+            frusta,
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.frusta.first + self.frusta.objects.len()
+    }
+
+    /// How much faster than along its axis the radius of any frustum grows, up to a limit.
+    pub fn steepness(&self) -> f32 {
+        let slopes = self.frusta.objects.iter().map(|it| it.shape.slope.abs());
+        slopes.filter(|&it| it <= STEEP).fold(0.0, f32::max)
+    }
+
+    /// The vertices of a flat object and its normal; none for other objects.
+    pub fn outline(&self, object: usize) -> (&'a [Vec3], Vec3) {
+        if self.triangles.holds(object) {
+            let shape = &self.triangles.objects[object - self.triangles.first].shape;
+            (&shape.vertices, shape.normal)
+        } else if self.patches.holds(object) {
+            let shape = &self.patches.objects[object - self.patches.first].shape;
+            (&shape.vertices, shape.normal)
+        } else if self.polygons.holds(object) {
+            let shape = &self.polygons.objects[object - self.polygons.first].shape;
+            (shape.vertices, shape.normal)
+        } else {
+            (&[], Vec3::ZERO)
+        }
+    }
+
+    /// Whether no light goes through an object; also true for a transmittance that is no number.
+    pub fn is_opaque(&self, object: usize) -> bool
+    where
+        M: Finish,
+    {
+        with_object!(self, object, |it| {
+            !(it.material.transmission().transmittance() > 0.0)
+        });
+        true
+    }
+
+    /// Where the ray, whose departure is counted as these objects are, meets one of them.
+    pub fn intersect<P: Math>(&self, ray: &Ray, object: usize) -> Option<f32> {
+        with_object!(self, object, |it| meet::<_, _, P>(it, ray, object));
+        None
+    }
+
+    /// Whether the ray, whose departure is counted as these objects are, meets one of them, and what
+    /// that leaves of the light: true where that is nothing.
+    pub fn absorbs<P: Math>(&self, ray: &Ray, object: usize, light: &mut Transmittance) -> bool
+    where
+        M: Finish,
+    {
+        with_object!(self, object, |it| core::slice::from_ref(it)
+            .absorbs::<P>(ray, object, light));
+        false
+    }
+}
+
+fn meet<S: Shape, M, P: Math>(object: &Object<'_, S, M>, ray: &Ray, place: usize) -> Option<f32> {
+    object
+        .shape
+        .intersect::<P>(ray, &S::setup(ray), ray.leaves(place))
+}

@@ -1,0 +1,68 @@
+//! Blocks of spheres.
+
+use fearless_simd::{Select, Simd, SimdMask};
+use whitted::Sphere;
+
+use super::lanes::{Lanes, Meeting, Vectors, nothing};
+use super::rays::RayLanes;
+
+/// `N` spheres that are all visible from outside, or all from inside only.
+#[derive(Clone, Debug)]
+#[repr(C, align(32))]
+pub struct Spheres<const N: usize> {
+    center: [[f32; N]; 3],
+    /// Not a number where there is no sphere: that is never met.
+    radius_squared: [f32; N],
+}
+
+impl<const N: usize> Spheres<N> {
+    pub fn new(spheres: impl Iterator<Item = Sphere>) -> Self {
+        let mut block = Self {
+            center: [[0.0; N]; 3],
+            radius_squared: [f32::NAN; N],
+        };
+        for (lane, sphere) in spheres.enumerate() {
+            for (row, x) in block.center.iter_mut().zip(sphere.center.to_array()) {
+                row[lane] = x;
+            }
+            block.radius_squared[lane] = sphere.radius * sphere.radius;
+        }
+        block
+    }
+
+    /// As `Sphere::intersect`, for points up to `limit`.
+    #[inline(always)]
+    pub fn meet<S: Simd, V: Lanes<S>, const HOLLOW: bool>(
+        &self,
+        simd: S,
+        ray: &RayLanes<V>,
+        limit: V,
+    ) -> Meeting<V, V::Mask> {
+        let to_center = Vectors::load(simd, &self.center) - ray.origin;
+        let approach = to_center.dot(ray.direction);
+        let miss = ray.direction * approach - to_center;
+        let square = V::from_slice(simd, &self.radius_squared) - miss.dot(miss);
+        const SLACK: f32 = 1.0 / (1_u64 << 40) as f32;
+        let near = square.simd_ge(approach * approach * -SLACK);
+        if !near.any_true() {
+            return nothing(simd);
+        }
+        let zero = V::simd_from(simd, 0.0);
+        let along = miss.dot(ray.direction);
+        let half_chord_squared = square + along * along;
+        let met = near & half_chord_squared.simd_ge(zero);
+        let half_chord = half_chord_squared.sqrt();
+        let exit = approach + (half_chord - along);
+        // Rounding is monotonic: the exit is never before the entry.
+        let t = if HOLLOW {
+            exit
+        } else {
+            let entry = approach - (half_chord + along);
+            entry.simd_gt(zero).select(entry, exit)
+        };
+        Meeting {
+            t,
+            met: met & t.simd_gt(zero) & t.simd_le(limit),
+        }
+    }
+}
