@@ -269,3 +269,177 @@ fn read_line(input: &mut impl BufRead, line: &mut Vec<u8>) -> io::Result<Option<
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::scene::Pool;
+    use crate::scene_file::{SceneFile, toml};
+
+    /// A ball of radius 1 at the origin, a floor below and a box beside, all lengths times 2^`k`.
+    fn file(k: i32) -> SceneFile {
+        let unit = 2.0_f64.powi(k);
+        let text = format!(
+            "[material.wood]\n[material.glass]\ntransmittance = 0.9\n\
+             [[plane]]\nmaterial = 'wood'\npoint = [0, {floor:e}, 0]\nnormal = [0, 5, 0]\n\
+             [[sphere]]\nmaterial = 'glass'\ncenter = [0, 0, 0]\nradius = {unit:e}\n\
+             [[box]]\nmaterial = 'wood'\nmin = [{near:e}, {low:e}, {low:e}]\n\
+             max = [{far:e}, {unit:e}, {unit:e}]\n",
+            floor = -3.0 * unit,
+            low = -unit,
+            near = 4.0 * unit,
+            far = 6.0 * unit,
+        );
+        toml::parse(Path::new("t.toml"), &text).unwrap()
+    }
+
+    fn answers(file: &SceneFile, query: Query, input: &[u8]) -> (Vec<String>, Lines) {
+        let pool = Pool::new(file);
+        let scene = HostScene::new(file, &pool).unwrap();
+        let mut output = Vec::new();
+        let lines = cast_lines(&scene, query, input, &mut output).unwrap();
+        let text = String::from_utf8(output).unwrap();
+        (text.lines().map(str::to_owned).collect(), lines)
+    }
+
+    fn answer(ray: &str) -> String {
+        let (answers, lines) = answers(&file(0), Query::Closest, ray.as_bytes());
+        assert_eq!((answers.len(), lines.all), (1, 1));
+        answers[0].clone()
+    }
+
+    #[test]
+    fn a_hit_is_told_in_full() {
+        assert_eq!(
+            answer("0 0 3 0 0 -1"),
+            r#"{"hit":true,"t":2.0,"point":[0.0,0.0,1.0],"normal":[0.0,0.0,1.0],"front":true,"shape":"sphere","index":1,"material":"glass"}"#
+        );
+        assert_eq!(
+            answer("0 0 0 0 0 -1"),
+            r#"{"hit":true,"t":1.0,"point":[0.0,0.0,-1.0],"normal":[-0.0,-0.0,1.0],"front":false,"shape":"sphere","index":1,"material":"glass"}"#
+        );
+        assert!(answer("9 0.5 0 -1 0 0").contains(r#""t":3.0,"point":[6.0,0.5,0.0]"#));
+        assert!(answer("9 0 9 0 -1 0").contains(r#""shape":"plane","index":0,"material":"wood""#));
+        assert_eq!(answer("0 0 3 0 0 1"), r#"{"hit":false}"#);
+    }
+
+    #[test]
+    fn t_counts_lengths_of_the_direction() {
+        for (ray, t) in [
+            ("0 0 3 0 0 -0.5", "4.0"),
+            ("0 0 3 0 0 -8", "0.25"),
+            ("0 0 3 0 0 -1e30", "2e-30"),
+            ("0 0 3 0 0 -1e-30", "2e+30"),
+            ("3 4 0 -3 -4 0", "0.8"),
+        ] {
+            assert!(
+                answer(ray).contains(&format!("\"t\":{t},")),
+                "{ray}: {}",
+                answer(ray)
+            );
+        }
+    }
+
+    #[test]
+    fn the_end_is_excluded_and_in_lengths_of_the_direction() {
+        for (ray, hit) in [
+            ("0 0 3 0 0 -1 2", false),
+            ("0 0 3 0 0 -1 2.0001", true),
+            ("0 0 3 0 0 -0.5 4", false),
+            ("0 0 3 0 0 -0.5 4.0001", true),
+            ("0 0 3 0 0 -1 inf", true),
+        ] {
+            assert_eq!(answer(ray).contains("\"hit\":true"), hit, "{ray}");
+            let (answers, _) = answers(&file(0), Query::Occluded, ray.as_bytes());
+            assert_eq!(answers, [format!("{{\"occluded\":{hit}}}")], "{ray}");
+        }
+    }
+
+    #[test]
+    fn what_no_32_bit_float_can_tell_is_not_met() {
+        // The horizon at 3·2^149, and the far side of a direction too short.
+        assert_eq!(answer("0 0 3 1 -1.4e-45 0"), r#"{"hit":false}"#);
+        assert_eq!(answer("0 0 3 0 0 -1e-39"), r#"{"hit":false}"#);
+        assert!(answer("0 0 3 0 0 -1e-38").contains("\"t\":2e+38"));
+    }
+
+    #[test]
+    fn answers_scale_with_the_scene() {
+        let ordinary: Vec<serde_json::Value> = {
+            let rays = "0.25 0.5 3 0.1 -0.2 -1\n9 0.5 0.25 -1 0 0.01\n0 0 0 1 -1 0";
+            let (answers, _) = answers(&file(0), Query::Closest, rays.as_bytes());
+            answers
+                .iter()
+                .map(|it| serde_json::from_str(it).unwrap())
+                .collect()
+        };
+        for k in [-100, -60, -17, 3, 40, 60, 100] {
+            let unit = 2.0_f64.powi(k);
+            let rays: String = [
+                ([0.25, 0.5, 3.0], [0.1, -0.2, -1.0]),
+                ([9.0, 0.5, 0.25], [-1.0, 0.0, 0.01]),
+                ([0.0, 0.0, 0.0], [1.0, -1.0, 0.0]),
+            ]
+            .iter()
+            .map(|(o, d)| {
+                let [x, y, z] = o.map(|it| it * unit);
+                let [dx, dy, dz] = d;
+                format!("{x:e} {y:e} {z:e} {dx} {dy} {dz}\n")
+            })
+            .collect();
+            let (answers, _) = answers(&file(k), Query::Closest, rays.as_bytes());
+            for (answer, ordinary) in answers.iter().zip(&ordinary) {
+                let answer: serde_json::Value = serde_json::from_str(answer).unwrap();
+                let f32 = |it: &serde_json::Value| it.as_f64().unwrap() as f32;
+                let scaled = f32(&ordinary["t"]) as f64 * unit;
+                assert_eq!(f32(&answer["t"]), scaled as f32, "2^{k}");
+                for axis in 0..3 {
+                    let scaled = f32(&ordinary["point"][axis]) as f64 * unit;
+                    assert_eq!(f32(&answer["point"][axis]), scaled as f32, "2^{k}");
+                }
+                assert_eq!(answer["normal"], ordinary["normal"], "2^{k}");
+                assert_eq!(answer["index"], ordinary["index"], "2^{k}");
+            }
+        }
+    }
+
+    #[test]
+    fn lines_that_are_not_rays_are_answered_by_errors() {
+        let long = [b"0 ".repeat(3000), b"\n".to_vec()].concat();
+        let longest = [b"0 0 3 0 0 -1".to_vec(), b" ".repeat(4084), b"\n".to_vec()].concat();
+        let cases: [(&[u8], &str); 10] = [
+            (b"\n", r#""expected 6 or 7 numbers, found 0""#),
+            (b"1 2 3\n", r#""expected 6 or 7 numbers, found 3""#),
+            (
+                b"1 2 3 4 5 6 7 8\n",
+                r#""expected 6 or 7 numbers, found 8""#,
+            ),
+            (b"1 2 3 4 x\"y 6\n", r#""`x\"y` is not a number""#),
+            (b"1 2 nan 4 5 6\n", r#""NaN is not a finite 32-bit float""#),
+            (b"1 2 3 4 1e39 6\n", r#" is not a finite 32-bit float""#),
+            (b"1 2 3 0 0 0\n", r#""the direction is zero""#),
+            (
+                b"1 2 3 0 0 1 -2\n",
+                r#""t_max is -2.0: it must be above 0""#,
+            ),
+            (b"1 2 3 \xff 0 1\n", r#""not UTF-8 text""#),
+            (&long, r#""longer than 4096 bytes""#),
+        ];
+        for (line, error) in cases {
+            let input = [b"0 0 3 0 0 -1\r\n", line, &longest, b"0 0 3 0 0 1"].concat();
+            let (answers, lines) = answers(&file(0), Query::Closest, &input);
+            assert_eq!(lines, Lines { all: 4, bad: 1 }, "{error}");
+            assert!(answers[0].contains("\"hit\":true"), "{error}");
+            assert!(answers[1].contains(error), "{error}: {}", answers[1]);
+            assert!(
+                answers[1].ends_with(",\"line\":2}"),
+                "{error}: {}",
+                answers[1]
+            );
+            assert!(answers[2].contains("\"hit\":true"), "{error}");
+            assert_eq!(answers[3], r#"{"hit":false}"#, "{error}");
+        }
+    }
+}

@@ -280,7 +280,8 @@ fn sees_itself(shape: &Shape, eye: Option<[f64; 3]>) -> bool {
         | (Shape::Triangle { .. } | Shape::Patch { .. }, _) => false,
         (&Shape::Sphere { center, radius }, Some(eye)) => {
             let squared: f64 = (0..3).map(|axis| (eye[axis] - center[axis]).powi(2)).sum();
-            squared <= radius * radius.abs()
+            // Of a hollow one only the inside is visible.
+            radius < 0.0 || squared <= radius * radius
         }
         (&Shape::Box { min, max }, Some(eye)) => {
             (0..3).all(|axis| (min[axis]..=max[axis]).contains(&eye[axis]))
@@ -475,5 +476,210 @@ impl fmt::Display for Report {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::scene_file::{nff, toml};
+
+    fn report(file: &SceneFile) -> Report {
+        let pool = Pool::new(file);
+        inspect(&HostScene::new(file, &pool).unwrap(), &pool)
+    }
+
+    fn nff_report(text: &str) -> Report {
+        report(&nff::parse(Path::new("t.nff"), text.as_bytes()).unwrap())
+    }
+
+    fn toml_report(text: &str) -> Report {
+        report(&toml::parse(Path::new("t.toml"), text).unwrap())
+    }
+
+    const MATTE: &str = "f 1 1 1 1 0 0 0 0\n";
+    const VIEW: &str = "v from 9 9 9 at 0 0 0 up 0 0 1 angle 45 hither 1 resolution 6 4\nl 9 9 9\n";
+
+    #[test]
+    fn shapes_and_what_they_need_are_counted() {
+        let report = nff_report(&format!(
+            "{VIEW}f 1 1 1 .5 .5 3.5 0 0\ns 0 0 0 1\ns 5 0 0 1\n{MATTE}\
+             p 4 0 0 -1 1 0 -1 1 1 -1 0 1 -1\np 3 0 0 -2 1 0 -2 1 1 -2"
+        ));
+        let shapes: Vec<_> = report.shapes.into_iter().collect();
+        assert_eq!(shapes, [("polygon", 1), ("sphere", 2), ("triangle", 1)]);
+        assert_eq!(report.polygon_corners, 4);
+        assert_eq!(
+            report.materials,
+            Materials {
+                all: 2,
+                shining: 1,
+                with_real_exponents: 1,
+                reflecting: 1,
+                refracting: 0
+            }
+        );
+        assert_eq!(
+            report.features,
+            [
+                "Polygon",
+                "Sphere",
+                "Triangle",
+                "PhongReal",
+                "Mirror",
+                "Light"
+            ]
+        );
+        // Spheres of 4 floats, a triangle of 12, a polygon of 3 and a slice of 2 words, each with a
+        // pointer; 4 corners of 3 floats. Materials of 5 + 2 + 1 floats; a light of 6.
+        let objects = 4 * (2 * 5 + 13 + 6 + 4 * 3);
+        let bytes = Bytes {
+            objects,
+            materials: 2 * 8 * 4,
+            lights: 24,
+            total: objects + 64 + 24,
+        };
+        assert_eq!(report.bytes, bytes);
+        assert_eq!(report.bounds, Some([[-1.0, -1.0, -2.0], [6.0, 1.0, 1.0]]));
+        assert_eq!(report.warnings, []);
+    }
+
+    #[test]
+    fn depth_is_what_mirrors_and_glass_can_reach() {
+        let mirror = "f 1 1 1 .5 .5 3 0 0\n";
+        let cases = [
+            ("matte", format!("{VIEW}{MATTE}s 0 0 0 1"), 1, 1),
+            ("a ball", format!("{VIEW}{mirror}s 0 0 0 1"), 2, 2),
+            (
+                "a flat mirror",
+                format!("{mirror}p 3 0 0 0 1 0 0 0 1 0"),
+                2,
+                2,
+            ),
+            (
+                "a ball round the eye",
+                format!("{VIEW}{mirror}s 0 0 0 99"),
+                5,
+                5,
+            ),
+            ("a hollow ball", format!("{VIEW}{mirror}s 0 0 0 -1"), 5, 5),
+            ("a pipe", format!("{VIEW}{mirror}c 0 0 0 1 0 0 1 1"), 5, 5),
+            (
+                "two balls",
+                format!("{VIEW}{mirror}s 0 0 0 1 s 3 0 0 1"),
+                5,
+                5,
+            ),
+            (
+                "glass",
+                format!("{VIEW}f 1 1 1 0 0 0 .9 1.5 s 0 0 0 1"),
+                5,
+                5,
+            ),
+            (
+                "weak",
+                format!("{VIEW}f 1 1 1 1 .05 9 0 0 s 0 0 0 1 s 3 0 0 1"),
+                5,
+                3,
+            ),
+        ];
+        for (name, text, reach, visible) in cases {
+            let depth = nff_report(&text).depth;
+            assert_eq!((depth.reach, depth.visible), (reach, visible), "{name}");
+        }
+    }
+
+    fn messages(report: Report) -> Vec<String> {
+        let text = report.to_string();
+        text.lines()
+            .filter_map(|it| it.strip_prefix("warning: "))
+            .map(str::to_owned)
+            .collect()
+    }
+
+    #[test]
+    fn dark_and_unseen_scenes_are_warned_of() {
+        assert_eq!(
+            messages(nff_report(&format!("{MATTE}s 0 0 0 1"))),
+            [
+                "t.nff: there is no camera to render it",
+                "t.nff: nothing lights it"
+            ]
+        );
+    }
+
+    #[test]
+    fn patches_wound_the_other_way_are_warned_of() {
+        let patch = |normal: &str| format!("pp 3 0 0 0 {normal} 1 0 0 0 0 1 0 1 0 0 0 1\n");
+        assert_eq!(
+            messages(nff_report(&format!("{VIEW}{MATTE}{}", patch("0 .5 .5")))),
+            [""; 0]
+        );
+        let text = format!("{VIEW}{MATTE}{}{}", patch("0 0 -1"), patch("0 .5 -.1"));
+        assert_eq!(
+            messages(nff_report(&text))[0],
+            "t.nff:4:1: normals of this patch, and of 1 more point against the winding"
+        );
+    }
+
+    #[test]
+    fn scenes_far_from_the_origin_are_warned_of() {
+        let at = |x: f64| format!("{VIEW}{MATTE}s {x} 0 0 1");
+        assert_eq!(messages(nff_report(&at(1990.0))), [""; 0]);
+        assert_eq!(
+            messages(nff_report(&at(65535.0))),
+            [
+                "t.nff: coordinates reach 32768 times the scene's size: of 24 bits, 9 are left for its \
+              shape; move it to the origin"
+            ]
+        );
+    }
+
+    #[test]
+    fn surfaces_in_one_another_are_warned_of() {
+        let warned = |shapes: &str| messages(nff_report(&format!("{VIEW}{MATTE}{shapes}")));
+        let clean = [
+            "s 0 0 0 1\ns 0 0 0 2",
+            "p 4 0 0 0 1 0 0 1 1 0 0 1 0\np 4 1 0 0 2 0 0 2 1 0 1 1 0",
+            "p 4 0 0 0 1 0 0 1 1 0 0 1 0\np 4 0 0 .1 1 0 .1 1 1 .1 0 1 .1",
+            "p 4 0 0 0 1 0 0 1 1 0 0 1 0\np 4 0 0 0 1 0 0 1 0 1 0 0 1",
+        ];
+        for shapes in clean {
+            assert_eq!(warned(shapes), [""; 0], "{shapes}");
+        }
+        let coincide = |this: &str, that: &str| {
+            format!(
+                "t.nff:5:1: this {this} coincides with the {that} at 4:1, so that rounding decides \
+                 which is seen"
+            )
+        };
+        let cases = [
+            ("s 0 0 0 1\ns 0 -0 0 1", coincide("sphere", "sphere")),
+            (
+                "c 0 0 0 1 0 0 1 1\nc 0 0 0 1 0 0 1 1",
+                coincide("frustum", "frustum"),
+            ),
+            (
+                "p 4 0 0 0 1 0 0 1 1 0 0 1 0\np 3 0 1 0 1 1 0 .5 .5 0",
+                coincide("triangle", "polygon"),
+            ),
+            (
+                "p 3 0 0 0 1 2 2 0 1 1\npp 3 0 0 0 1 0 0 0 1 1 1 0 0 1 2 2 1 0 0",
+                coincide("patch", "triangle"),
+            ),
+        ];
+        for (shapes, message) in cases {
+            assert_eq!(warned(shapes), [message], "{shapes}");
+        }
+        let three = warned("s 0 0 0 1\ns 0 0 0 1\ns 0 0 0 1");
+        assert!(three[0].ends_with("; 2 such pairs in all"), "{three:?}");
+        let floor = "[material.a]\n[[plane]]\nmaterial='a'\npoint=[7,1,7]\nnormal=[0,-2,0]\n\
+                     [[triangle]]\nmaterial='a'\nvertices=[[0,1,0],[1,1,0],[0,1,1]]\n\
+                     [[box]]\nmaterial='a'\nmin=[0,1,0]\nmax=[1,2,1]";
+        let warned = messages(toml_report(floor));
+        assert!(warned[2].starts_with("t.toml:6:1: this triangle coincides with the plane at 2:1"));
+        assert_eq!(warned.len(), 3, "{warned:?}");
     }
 }
