@@ -5,9 +5,11 @@
 //! cores, and writes [pictures](picture) to files that are [replaced whole or not at all](output).
 
 pub mod args;
+pub mod bake;
 pub mod cast;
 pub mod commands;
 pub mod compare;
+pub mod hierarchy;
 pub mod inspect;
 pub mod output;
 pub mod picture;

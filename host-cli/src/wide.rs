@@ -148,6 +148,15 @@ pub fn levels() -> Vec<(&'static str, Level)> {
 }
 
 impl<M> Wide<'_, M> {
+    /// The bytes of the nodes and of the blocks, beside the objects themselves.
+    pub fn bytes(&self) -> [usize; 2] {
+        match &self.tree {
+            AnyTree::Eight(_, tree) => tree.bytes(),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            AnyTree::Sixteen(_, tree) => tree.bytes(),
+        }
+    }
+
     /// The ray with its departure counted as the objects here are, and which object that is.
     #[inline(always)]
     fn localized(&self, ray: &Ray, first: usize) -> (Ray, u32) {
@@ -207,7 +216,12 @@ impl<M: Finish> Geometry for Wide<'_, M> {
                 nearest.offer(t, object);
             }
         }
-        with_tree!(self, |tree, simd| tree.nearest(simd, &local, left, &mut nearest));
+        with_tree!(self, |tree, simd| tree.nearest(
+            simd,
+            &local,
+            left,
+            &mut nearest
+        ));
         if nearest.object == u32::MAX {
             return None;
         }

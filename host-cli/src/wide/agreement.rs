@@ -368,7 +368,9 @@ impl Owned {
         match random.below(12) {
             0 => origin = style.offset + random.unit() * 1e5,
             1 => origin = style.offset + random.unit() * 30.0,
-            2 => direction = random.pick(&[Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::NEG_Z]),
+            2 => {
+                direction = random.pick(&[Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::NEG_Z])
+            }
             3 => direction = random.pick(&[Vec3::new(0.6, -0.0, 0.8), Vec3::new(-0.0, 0.8, -0.6)]),
             4 => direction = Exact::normalize(direction * Vec3::new(1.0, 1e-7, 1e-20)),
             5 => direction = random.pick(&[Vec3::NAN, Vec3::ZERO, Vec3::INFINITY, Vec3::X * 1e-30]),
@@ -415,12 +417,24 @@ impl Owned {
 }
 
 /// The bits of everything that can be asked about a ray.
-fn answers<G: Geometry<Material = Stuff>>(geometry: &G, ray: &Ray) -> impl PartialEq + core::fmt::Debug {
+#[derive(Debug, PartialEq)]
+struct Answers {
+    /// Distance, object, normal and side.
+    hit: Option<(u32, usize, [u32; 3], bool)>,
+    occluded: bool,
+    transmittance: u32,
+}
+
+fn answers(geometry: &impl Geometry<Material = Stuff>, ray: &Ray) -> Answers {
     let hit = geometry.closest_hit(ray).map(|hit| {
         let normal = hit.normal.to_array().map(f32::to_bits);
         (hit.t.to_bits(), hit.object, normal, hit.front)
     });
-    (hit, geometry.occluded(ray), geometry.transmittance(ray).to_bits())
+    Answers {
+        hit,
+        occluded: geometry.occluded(ray),
+        transmittance: geometry.transmittance(ray).to_bits(),
+    }
 }
 
 /// How many rays hit, pass unhindered, and are dimmed.

@@ -78,7 +78,10 @@ impl Bounds {
 }
 
 pub fn of_sphere(sphere: &Sphere) -> Option<Bounds> {
-    let (center, radius) = (Vec3A::from(sphere.center), Vec3A::splat(sphere.radius.abs()));
+    let (center, radius) = (
+        Vec3A::from(sphere.center),
+        Vec3A::splat(sphere.radius.abs()),
+    );
     let bounds = Bounds {
         min: center - radius,
         max: center + radius,
@@ -116,13 +119,11 @@ pub fn of_frustum(frustum: &Frustum) -> Option<Bounds> {
         reach = reach.max(center.abs().max_element() + radius);
     }
     let reach = reach + frustum.length;
-    bounds.widened(Vec3A::splat(
-        ROUNDING * reach * (1.0 + frustum.slope.abs()),
-    ))
+    bounds.widened(Vec3A::splat(ROUNDING * reach * (1.0 + frustum.slope.abs())))
 }
 
 pub fn of_outline(vertices: &[Vec3], normal: Vec3) -> Option<Bounds> {
-    let &last = vertices.last()?;
+    let &point = vertices.first()?;
     let bounds = Bounds::of(vertices);
     let reach = bounds.reach();
     let size = (bounds.max - bounds.min).max_element();
@@ -130,7 +131,7 @@ pub fn of_outline(vertices: &[Vec3], normal: Vec3) -> Option<Bounds> {
     // How far the vertices are off the plane that gives the distance.
     let height = vertices
         .iter()
-        .map(|&vertex| normal.dot(vertex - last).abs())
+        .map(|&vertex| normal.dot(vertex - point).abs())
         .fold(0.0, f32::max);
     let flat = height <= size / (1 << 16) as f32 + rounding;
     if !(flat && (normal.length_squared() - 1.0).abs() < ROUNDING) {

@@ -147,7 +147,11 @@ fn by_bins(items: &mut [Item]) -> Option<Split> {
         if usable[1] { scale.y } else { 0.0 },
         if usable[2] { scale.z } else { 0.0 },
     );
-    let bin_of = |item: &Item| ((center(item) - low) * scale).to_array().map(|x| x as usize & (BINS - 1));
+    let bin_of = |item: &Item| {
+        ((center(item) - low) * scale)
+            .to_array()
+            .map(|x| x as usize & (BINS - 1))
+    };
     let empty = Bin {
         bounds: Bounds::EMPTY,
         count: 0,
@@ -162,19 +166,19 @@ fn by_bins(items: &mut [Item]) -> Option<Split> {
         }
     }
     let mut best = (f32::INFINITY, 0, 0);
-    for axis in 0..3 {
+    for (axis, bins) in bins.iter().enumerate() {
         // Costs of all that lies right of each bin's left edge.
         let mut right = [0.0; BINS];
         let mut sum = empty;
         for place in (1..BINS).rev() {
-            sum.bounds.grow(&bins[axis][place].bounds);
-            sum.count += bins[axis][place].count;
+            sum.bounds.grow(&bins[place].bounds);
+            sum.count += bins[place].count;
             right[place] = cost(&sum);
         }
         let mut sum = empty;
         for place in 1..BINS {
-            sum.bounds.grow(&bins[axis][place - 1].bounds);
-            sum.count += bins[axis][place - 1].count;
+            sum.bounds.grow(&bins[place - 1].bounds);
+            sum.count += bins[place - 1].count;
             let cost = cost(&sum) + right[place];
             if cost < best.0 && sum.count > 0 && (sum.count as usize) < items.len() {
                 best = (cost, axis, place);

@@ -40,7 +40,10 @@ impl Child {
     }
 
     pub fn block(kind: Kind, index: usize) -> Self {
-        assert!(index < Self::LIMIT, "2^28 blocks are more than memory holds");
+        assert!(
+            index < Self::LIMIT,
+            "2^28 blocks are more than memory holds"
+        );
         Self(Self::BLOCK | (kind as u32) << Self::KIND | index as u32)
     }
 

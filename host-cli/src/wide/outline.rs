@@ -59,13 +59,13 @@ impl<const CORNERS: usize, const N: usize> Outlines<CORNERS, N> {
             y: V::from_slice(simd, &self.corners[1][3]),
             z: V::from_slice(simd, &self.corners[2][3]),
         };
-        let [x, y, z, _] = &self.corners[CORNERS - 1];
-        let last = Vectors {
+        let [x, y, z, _] = &self.corners[0];
+        let point = Vectors {
             x: V::from_slice(simd, x),
             y: V::from_slice(simd, y),
             z: V::from_slice(simd, z),
         };
-        let t = normal.dot(last - ray.origin) / normal.dot(ray.direction);
+        let t = normal.dot(point - ray.origin) / normal.dot(ray.direction);
         Meeting {
             t,
             met: inside & t.simd_gt(zero) & t.simd_le(limit),
@@ -93,7 +93,8 @@ pub struct Outline {
     /// between equal vertices crosses nothing.
     rows: [Vec<f32>; 3],
     normal: Vec3,
-    last: Vec3,
+    /// The point through which its plane goes: the first vertex.
+    point: Vec3,
 }
 
 impl Outline {
@@ -107,12 +108,19 @@ impl Outline {
             row.resize(length, last[axis]);
             row
         });
-        Self { rows, normal, last }
+        Self {
+            rows,
+            normal,
+            point: vertices.first().copied().unwrap_or(Vec3::NAN),
+        }
     }
 
     /// The bytes of the vertices.
     pub fn bytes(&self) -> usize {
-        self.rows.iter().map(|row| size_of_val(row.as_slice())).sum()
+        self.rows
+            .iter()
+            .map(|row| size_of_val(row.as_slice()))
+            .sum()
     }
 
     /// As `Polygon::intersect`, for a point up to `limit`.
@@ -140,7 +148,7 @@ impl Outline {
         if inside.to_bitmask().count_ones() % 2 == 0 {
             return None;
         }
-        let t = self.normal.dot(self.last - ray.origin) / self.normal.dot(ray.direction);
+        let t = self.normal.dot(self.point - ray.origin) / self.normal.dot(ray.direction);
         (t > 0.0 && t <= limit).then_some(t)
     }
 }

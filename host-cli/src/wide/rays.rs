@@ -111,8 +111,16 @@ impl<V: Copy> Shear<V> {
     {
         let (o, d) = (ray.origin, ray.direction);
         let (axes, o, d) = match steepest(d) {
-            0 => ([1, 2, 0], Vec3::new(o.y, o.z, o.x), Vec3::new(d.y, d.z, d.x)),
-            1 => ([0, 2, 1], Vec3::new(o.x, o.z, o.y), Vec3::new(d.x, d.z, d.y)),
+            0 => (
+                [1, 2, 0],
+                Vec3::new(o.y, o.z, o.x),
+                Vec3::new(d.y, d.z, d.x),
+            ),
+            1 => (
+                [0, 2, 1],
+                Vec3::new(o.x, o.z, o.y),
+                Vec3::new(d.x, d.z, d.y),
+            ),
             _ => ([0, 1, 2], o, d),
         };
         Self {

@@ -11,7 +11,7 @@ use super::rays::RayLanes;
 #[repr(C, align(32))]
 pub struct Spheres<const N: usize> {
     center: [[f32; N]; 3],
-    /// Not a number where there is no sphere: that is never met.
+    /// Not a number where there is no sphere, or one without a surface: that is never met.
     radius_squared: [f32; N],
 }
 
@@ -25,7 +25,10 @@ impl<const N: usize> Spheres<N> {
             for (row, x) in block.center.iter_mut().zip(sphere.center.to_array()) {
                 row[lane] = x;
             }
-            block.radius_squared[lane] = sphere.radius * sphere.radius;
+            let square = sphere.radius * sphere.radius;
+            if square > 0.0 {
+                block.radius_squared[lane] = square;
+            }
         }
         block
     }

@@ -300,10 +300,7 @@ impl<const N: usize> Tree<N> {
 
     /// Bytes of nodes and of blocks.
     pub fn bytes(&self) -> [usize; 2] {
-        [
-            self.nodes.len() * size_of::<Node<N>>(),
-            self.blocks.bytes(),
-        ]
+        [self.nodes.len() * size_of::<Node<N>>(), self.blocks.bytes()]
     }
 }
 
