@@ -1,0 +1,415 @@
+//! The same calls for everyone who prices the methods.
+//!
+//! A firmware implements [`Meter`], counts what runs between the start and the end of each closure that
+//! it is given, and subtracts what it counted for the method [`EMPTY`] of the same stage and case: the
+//! loop, and the call of a function that does nothing. What is left, over `calls`, goes as a line into
+//! `tests/charts/cycles.csv`, whose columns are
+//!
+//! `stage,case,method,target,cycles,instructions,bytes`
+//!
+//! where `bytes` is the size of the method's symbol (each is a function of its own, named in the table
+//! of its module, never inlined) and may be empty.
+
+use core::hint::black_box;
+
+use glam::Vec3;
+use whitted::{Cuboid, Exact, Frustum, Math, Plane, Polygon, Ray, Sphere};
+
+use crate::plane::PlaneForms;
+use crate::secondary::{Leaving, Start};
+use crate::{Method, cuboid, frustum, plane, polygon, power, roots, secondary, sphere};
+
+/// Name of the method that is subtracted.
+pub const EMPTY: &str = "empty";
+
+/// Inputs of a case: a method is called this often in a closure.
+pub const CALLS: usize = 16;
+
+/// What is called in a closure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// As in the charts: `sphere`, `polygon`, ….
+    pub stage: &'static str,
+    /// Which inputs: `hit`, `miss`, `hexagon hit`, ….
+    pub case: &'static str,
+    /// As in the stage's table, or [`EMPTY`].
+    pub method: &'static str,
+    /// How often it is called.
+    pub calls: u32,
+}
+
+/// Whoever counts.
+pub trait Meter {
+    /// Runs `run` once and counts.
+    fn measure(&mut self, entry: Entry, run: impl FnMut());
+}
+
+/// Shows every method of every stage to `meter`, on inputs that depend on nothing.
+pub fn all(meter: &mut impl Meter) {
+    for case in ["hit", "miss"] {
+        let inputs = spheres(case == "hit");
+        for method in with_empty(sphere::METHODS, |_, _| None) {
+            price(
+                meter,
+                "sphere",
+                case,
+                &method,
+                &inputs,
+                |f, (ray, sphere)| f(ray, sphere).is_some(),
+            );
+        }
+        let inputs = cuboids(case == "hit");
+        for method in with_empty(cuboid::METHODS, |_, _, _| None) {
+            price(
+                meter,
+                "cuboid",
+                case,
+                &method,
+                &inputs,
+                |f, (ray, setup, cuboid)| f(ray, setup, cuboid).is_some(),
+            );
+        }
+        let inputs = frusta(case == "hit");
+        for method in with_empty(frustum::METHODS, |_, _| None) {
+            price(
+                meter,
+                "frustum",
+                case,
+                &method,
+                &inputs,
+                |f, (ray, frustum)| f(ray, frustum).is_some(),
+            );
+        }
+    }
+    let inputs = planes();
+    for method in with_empty(plane::METHODS, |_, _| None) {
+        price(
+            meter,
+            "plane",
+            "hit",
+            &method,
+            &inputs,
+            |f, (ray, plane)| f(ray, plane).is_some(),
+        );
+    }
+    for case in [
+        "triangle hit",
+        "triangle miss",
+        "hexagon hit",
+        "hexagon miss",
+    ] {
+        polygons(meter, case);
+    }
+    setups(meter);
+    let inputs = leavings();
+    let nothing = |leaving: &Leaving| Start {
+        origin: leaving.point,
+        t_min: 0.0,
+        skips: false,
+    };
+    for method in with_empty(secondary::METHODS, nothing) {
+        price(
+            meter,
+            "secondary",
+            "origin",
+            &method,
+            &inputs,
+            |f, leaving| f(leaving),
+        );
+    }
+    let mut random = Random(1);
+    let inputs: [f32; CALLS] = core::array::from_fn(|_| 1.0 + 9.0 * random.unit());
+    for method in with_empty(roots::SQRT, |x| x) {
+        price(meter, "sqrt", "", &method, &inputs, |f, x| f(*x));
+    }
+    for method in with_empty(roots::RSQRT, |x| x) {
+        price(meter, "rsqrt", "", &method, &inputs, |f, x| f(*x));
+    }
+    let inputs: [Vec3; CALLS] = core::array::from_fn(|_| random.vector() * 10.0);
+    for method in with_empty(roots::NORMALIZE, |v| v) {
+        price(meter, "normalize", "", &method, &inputs, |f, v| f(*v));
+    }
+    for (case, n) in [("n = 50", 50.0), ("n = 1000", 1000.0)] {
+        let inputs: [(f32, f32); CALLS] = core::array::from_fn(|_| (random.unit(), n));
+        for method in with_empty(power::WHOLE, |x, _| x) {
+            price(meter, "power", case, &method, &inputs, |f, (x, n)| {
+                f(*x, *n)
+            });
+        }
+    }
+    let inputs: [(f32, f32); CALLS] = core::array::from_fn(|_| (random.unit(), 50.5));
+    for method in with_empty(power::REAL, |x, _| x) {
+        price(
+            meter,
+            "power, real",
+            "n = 50.5",
+            &method,
+            &inputs,
+            |f, (x, n)| f(*x, *n),
+        );
+    }
+}
+
+fn with_empty<F: Copy>(methods: &[Method<F>], empty: F) -> impl Iterator<Item = Method<F>> {
+    let empty = Method {
+        name: EMPTY,
+        run: empty,
+    };
+    core::iter::once(empty).chain(methods.iter().copied())
+}
+
+#[inline(never)]
+fn price<F: Copy, I, O>(
+    meter: &mut impl Meter,
+    stage: &'static str,
+    case: &'static str,
+    method: &Method<F>,
+    inputs: &[I; CALLS],
+    call: impl Fn(F, &I) -> O,
+) {
+    let entry = Entry {
+        stage,
+        case,
+        method: method.name,
+        calls: CALLS as u32,
+    };
+    let run = black_box(method.run);
+    meter.measure(entry, || {
+        for input in inputs {
+            black_box(call(run, input));
+        }
+    });
+}
+
+fn polygons(meter: &mut impl Meter, case: &'static str) {
+    let corners = if case.starts_with("triangle") { 3 } else { 6 };
+    let outlines = outlines(corners, case.ends_with("hit"));
+    let inputs: [(Ray, polygon::Setup, Polygon<'_>); CALLS] = core::array::from_fn(|i| {
+        let (vertices, normal, ray) = &outlines[i];
+        let vertices = &vertices[..corners];
+        let normal = *normal;
+        (*ray, polygon::Setup::new(ray), Polygon { vertices, normal })
+    });
+    for method in with_empty(polygon::METHODS, |_, _, _| None) {
+        price(
+            meter,
+            "polygon",
+            case,
+            &method,
+            &inputs,
+            |f, (ray, setup, polygon)| f(ray, setup, polygon).is_some(),
+        );
+    }
+}
+
+/// What a ray costs once for all polygons or boxes.
+fn setups(meter: &mut impl Meter) {
+    #[inline(never)]
+    fn empty(ray: &Ray) -> Vec3 {
+        ray.direction
+    }
+    fn setup<T>(
+        meter: &mut impl Meter,
+        name: &'static str,
+        run: fn(&Ray) -> T,
+        inputs: &[Ray; CALLS],
+    ) {
+        price(
+            meter,
+            "setup",
+            "",
+            &Method { name, run },
+            inputs,
+            |f, ray| f(ray),
+        );
+    }
+    let mut random = Random(9);
+    let inputs = core::array::from_fn(|_| Ray::new(Vec3::ZERO, random.direction()));
+    setup(meter, EMPTY, empty, &inputs);
+    setup(meter, "polygon core", polygon::setup_core, &inputs);
+    setup(meter, "polygon shear", polygon::setup_shear, &inputs);
+    setup(meter, "cuboid core", cuboid::setup_core, &inputs);
+    setup(
+        meter,
+        "cuboid reciprocal",
+        cuboid::setup_reciprocal,
+        &inputs,
+    );
+}
+
+/// G. Marsaglia, "Xorshift RNGs", Journal of Statistical Software 8(14), 2003.
+struct Random(u32);
+
+impl Random {
+    fn next(&mut self) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        self.0
+    }
+
+    /// From 0 to below 1.
+    fn unit(&mut self) -> f32 {
+        (self.next() >> 8) as f32 / 16_777_216.0
+    }
+
+    /// Components from -1 to below 1.
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - Vec3::ONE
+    }
+
+    fn direction(&mut self) -> Vec3 {
+        loop {
+            let v = self.vector();
+            if v.length_squared() > 0.1 {
+                return Exact::normalize(v);
+            }
+        }
+    }
+}
+
+/// A ray that passes `center` at a distance.
+fn ray_past(random: &mut Random, center: Vec3, distance: f32) -> Ray {
+    let direction = random.direction();
+    let side = Exact::normalize(direction.cross(Vec3::new(-direction.y, direction.z, direction.x)));
+    Ray::new(center + side * distance - direction * 6.0, direction)
+}
+
+/// Rays that hit, or miss, spheres of radius 1.
+pub fn spheres(hit: bool) -> [(Ray, Sphere); CALLS] {
+    let mut random = Random(2);
+    core::array::from_fn(|_| {
+        let center = random.vector() * 4.0;
+        let miss = if hit {
+            0.9 * random.unit()
+        } else {
+            1.2 + random.unit()
+        };
+        let ray = ray_past(&mut random, center, miss);
+        (
+            ray,
+            Sphere {
+                center,
+                radius: 1.0,
+            },
+        )
+    })
+}
+
+/// Rays that hit, or pass, boxes.
+pub fn cuboids(hit: bool) -> [(Ray, cuboid::Setup, Cuboid); CALLS] {
+    let mut random = Random(3);
+    core::array::from_fn(|_| {
+        let center = random.vector() * 4.0;
+        let half = Vec3::ONE + random.vector() * 0.5;
+        let miss = if hit {
+            0.5 * random.unit()
+        } else {
+            2.6 + random.unit()
+        };
+        let ray = ray_past(&mut random, center, miss);
+        let cuboid = Cuboid {
+            min: center - half,
+            max: center + half,
+        };
+        (ray, cuboid::Setup::new(&ray), cuboid)
+    })
+}
+
+/// Rays that hit, or pass, frusta. All aim at the middle of the axis: at most through both ends.
+pub fn frusta(hit: bool) -> [(Ray, Frustum); CALLS] {
+    let mut random = Random(4);
+    core::array::from_fn(|_| {
+        let (center, axis) = (random.vector() * 4.0, random.direction());
+        let frustum = Frustum {
+            base: center - axis * 2.0,
+            axis,
+            length: 4.0,
+            base_radius: 1.0 + random.unit(),
+            slope: -0.2 * random.unit(),
+        };
+        loop {
+            let miss = if hit {
+                0.5 * random.unit()
+            } else {
+                3.0 + random.unit()
+            };
+            let ray = ray_past(&mut random, center, miss);
+            if ray.direction.dot(axis).abs() < 0.6 {
+                return (ray, frustum);
+            }
+        }
+    })
+}
+
+/// Rays that hit planes.
+pub fn planes() -> [(Ray, PlaneForms); CALLS] {
+    let mut random = Random(5);
+    core::array::from_fn(|_| {
+        let (point, normal) = (random.vector() * 4.0, random.direction());
+        loop {
+            let distance = 1.0 + random.unit();
+            let ray = ray_past(&mut random, point, distance);
+            if ray.direction.dot(normal).abs() > 0.3 {
+                return (ray, PlaneForms::new(Plane { point, normal }));
+            }
+        }
+    })
+}
+
+/// The corners of a regular outline with 3 or 6 of them and circumradius 1 (of the array, the first
+/// ones), its normal, and a ray that hits it or passes it in its plane.
+pub fn outlines(corners: usize, hit: bool) -> [([Vec3; 6], Vec3, Ray); CALLS] {
+    const SIN_60: f32 = 0.866_025_4;
+    let circle = [
+        (1.0, 0.0),
+        (0.5, SIN_60),
+        (-0.5, SIN_60),
+        (-1.0, 0.0),
+        (-0.5, -SIN_60),
+        (0.5, -SIN_60),
+    ];
+    let mut random = Random(6);
+    core::array::from_fn(|_| {
+        let (center, normal) = (random.vector() * 4.0, random.direction());
+        let x = Exact::normalize(normal.cross(Vec3::new(-normal.y, normal.z, normal.x)));
+        let y = normal.cross(x);
+        let vertices = core::array::from_fn(|i| {
+            let (cos, sin) = circle[i * (6 / corners) % 6];
+            center + x * cos + y * sin
+        });
+        // The inscribed circle of a triangle has half the radius.
+        let distance = if hit {
+            0.45 * random.unit()
+        } else {
+            1.1 + 0.5 * random.unit()
+        };
+        let (cos, sin) = circle[random.next() as usize % 6];
+        let aim = center + (x * cos + y * sin) * distance;
+        loop {
+            let direction = random.direction();
+            if direction.dot(normal).abs() > 0.3 {
+                return (vertices, normal, Ray::new(aim - direction * 6.0, direction));
+            }
+        }
+    })
+}
+
+/// Hits on spheres and planes, to be left.
+pub fn leavings() -> [Leaving; CALLS] {
+    let mut random = Random(7);
+    core::array::from_fn(|i| {
+        let (eye, direction, normal) = (random.vector(), random.direction(), random.direction());
+        let way = direction * (1.0 + random.unit());
+        let point = eye + way;
+        let radius = if i % 2 == 0 { 1.0 } else { 0.0 };
+        Leaving {
+            eye,
+            way,
+            point,
+            normal,
+            anchor: point - normal * radius,
+            radius,
+        }
+    })
+}
