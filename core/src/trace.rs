@@ -18,7 +18,7 @@ use heapless::Vec;
 use crate::geometry::Geometry;
 use crate::material::{Finish, Highlight, Reflection, Transmission};
 use crate::math::{self, Exact, Math};
-use crate::ray::{Hit, Ray};
+use crate::ray::{Departure, Hit, Ray};
 use crate::scene::{LightSource, Scene};
 
 /// Something that tracing counts.
@@ -88,7 +88,7 @@ impl core::ops::AddAssign for Counters {
 /// How far light is followed, and by which arithmetic.
 ///
 /// `DEPTH` is the most rays from the eye to the last surface, the eye ray counted as 1: 1 is direct
-/// light only. It sizes the stack, at most 48 bytes a level.
+/// light only. It sizes the stack, 40 bytes a level on a 32-bit machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tracer<const DEPTH: usize, P = Exact, C = ()> {
     /// The most rays from the eye to the last surface, up to `DEPTH`.
@@ -135,14 +135,26 @@ impl<const DEPTH: usize, P: Math, C> Tracer<DEPTH, P, C> {
     }
 }
 
-/// A ray yet to be traced.
+/// A ray from a surface, yet to be traced. What all such rays have in common takes no room.
 #[derive(Clone, Copy)]
 struct Path {
-    ray: Ray,
+    origin: Vec3,
+    direction: Vec3,
+    departure: Departure,
     /// What it brings is weighed by this.
     throughput: f32,
     /// How many rays lie between the eye and its end.
     depth: usize,
+}
+
+impl Path {
+    #[inline(always)]
+    fn ray(&self) -> Ray {
+        Ray {
+            departure: Some(self.departure),
+            ..Ray::new(self.origin, self.direction)
+        }
+    }
 }
 
 impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
@@ -157,26 +169,22 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
         // Of two children one is followed in place and one waits. A depth leaves at most one waiting
         // ray, and the deepest has no children, so that DEPTH entries always suffice.
         let mut waiting = Vec::<Path, DEPTH>::new();
-        let mut path = Path {
-            ray,
-            throughput: 1.0,
-            depth: 1,
-        };
+        let (mut ray, mut throughput, mut depth) = (ray, 1.0, 1);
         // A path ends within `depth` rays, and each ray has at most two children.
         loop {
-            let (reflected, refracted) = match scene.geometry.closest_hit_by::<P>(&path.ray) {
+            let (reflected, refracted) = match scene.geometry.closest_hit_by::<P>(&ray) {
                 None => {
-                    radiance += scene.background * path.throughput;
+                    radiance += scene.background * throughput;
                     (None, None)
                 }
                 Some(hit) => {
                     self.counters.count(Event::Hit);
-                    let mirrored = math::mirror(path.ray.direction, hit.normal);
-                    radiance += self.direct(scene, &hit, mirrored, path.throughput);
-                    self.children(&path, &hit, mirrored)
+                    let mirrored = math::mirror(ray.direction, hit.normal);
+                    radiance += self.direct(scene, &hit, mirrored, throughput);
+                    self.children(&hit, ray.direction, mirrored, throughput, depth)
                 }
             };
-            path = match (reflected, refracted) {
+            let path = match (reflected, refracted) {
                 (Some(reflected), Some(refracted)) => {
                     let fits = waiting.push(refracted).is_ok();
                     debug_assert!(fits, "more than one ray waits at a depth");
@@ -188,6 +196,7 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                     None => return radiance,
                 },
             };
+            (ray, throughput, depth) = (path.ray(), path.throughput, path.depth);
         }
     }
 
@@ -250,22 +259,29 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
     #[inline]
     fn children<M: Finish>(
         &mut self,
-        path: &Path,
         hit: &Hit<'_, M>,
+        direction: Vec3,
         mirrored: Vec3,
+        throughput: f32,
+        depth: usize,
     ) -> (Option<Path>, Option<Path>) {
         if !(M::Reflection::REFLECTS || M::Transmission::TRANSMITS)
-            || path.depth >= self.depth
-            || path.depth >= DEPTH
+            || depth >= self.depth
+            || depth >= DEPTH
         {
             return (None, None);
         }
-        let child = |ray, weight| {
-            let throughput = path.throughput * weight;
+        let child = |direction, side, share| {
+            let throughput = throughput * share;
             (throughput > self.threshold).then_some(Path {
-                ray,
+                origin: hit.point,
+                direction,
+                departure: Departure {
+                    object: hit.object,
+                    side,
+                },
                 throughput,
-                depth: path.depth + 1,
+                depth: depth + 1,
             })
         };
         let mut reflectance = hit.material.reflection().reflectance();
@@ -273,20 +289,20 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
         if M::Transmission::TRANSMITS {
             let glass = hit.material.transmission();
             let transmittance = glass.transmittance();
-            if path.throughput * transmittance > self.threshold {
+            if throughput * transmittance > self.threshold {
                 let eta = if hit.front {
                     1.0 / glass.ior()
                 } else {
                     glass.ior()
                 };
-                match math::refract::<P>(path.ray.direction, hit.normal, eta) {
-                    Some(direction) => refracted = child(hit.through(direction), transmittance),
+                match math::refract::<P>(direction, hit.normal, eta) {
+                    Some(bent) => refracted = child(bent, hit.far_side(), transmittance),
                     // Total internal reflection.
                     None => reflectance += transmittance,
                 }
             }
         }
-        let reflected = child(hit.back(math::renormalize(mirrored)), reflectance);
+        let reflected = child(math::renormalize(mirrored), hit.near_side(), reflectance);
         if reflected.is_some() {
             self.counters.count(Event::Reflected);
         }

@@ -67,7 +67,10 @@ impl Cuboid {
         let entry = if z.0 > entry { z.0 } else { entry };
         let exit = if x.1 < y.1 { x.1 } else { y.1 };
         let exit = if z.1 < exit { z.1 } else { exit };
-        (entry <= exit).then_some((entry, exit))
+        // Each is at least zero, and infinite along the planes; NaN if anything is, which the
+        // comparisons above may have passed over.
+        let widths = (x.1 - x.0) + (y.1 - y.0) + (z.1 - z.0);
+        (entry <= exit && widths >= 0.0).then_some((entry, exit))
     }
 }
 
@@ -236,6 +239,25 @@ mod tests {
     fn nothing_that_is_not_a_number_is_met() {
         let ray = Ray::new(Vec3::new(-2.0, 0.0, 0.0), Vec3::new(1.0, f32::NAN, 0.0));
         assert_eq!(meets(DIE, ray, None), None);
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+            let nowhere = Ray::new(
+                Vec3::ONE * -3.0 + axis * f32::NAN,
+                Exact::normalize(Vec3::ONE),
+            );
+            assert_eq!(meets(DIE, nowhere, None), None);
+            let boundless = Cuboid {
+                max: DIE.max + axis * f32::NAN,
+                ..DIE
+            };
+            assert_eq!(
+                meets(
+                    boundless,
+                    Ray::new(Vec3::ONE * -3.0, Exact::normalize(Vec3::ONE)),
+                    None
+                ),
+                None
+            );
+        }
         assert_eq!(
             meets(
                 Cuboid {

@@ -54,19 +54,23 @@ impl Plane {
     }
 }
 
-/// Distance at which the plane through `point` is met, where the ray admits it.
-///
-/// The point form: differences first, so that digits survive far from the origin. No angle counts as
-/// parallel but the exact one, whose quotient is infinite or NaN, which no ray admits.
+/// How far the plane through `point` lies beyond the ray's origin, along its normal, and how fast the
+/// ray nears it. Differences first, so that digits survive far from the world's origin.
 #[inline(always)]
-pub(super) fn intersect(ray: &Ray, point: Vec3, normal: Vec3) -> Option<f32> {
-    let height = normal.dot(point - ray.origin);
-    let descent = normal.dot(ray.direction);
+pub(super) fn approach(ray: &Ray, point: Vec3, normal: Vec3) -> (f32, f32) {
+    (normal.dot(point - ray.origin), normal.dot(ray.direction))
+}
+
+/// The quotient of both, where the ray admits it. No angle counts as parallel but the exact one, whose
+/// quotient is infinite or NaN.
+#[inline(always)]
+pub(super) fn distance(ray: &Ray, (height, rate): (f32, f32)) -> Option<f32> {
     // Quotients of two signs are not positive: no need to divide.
-    if (height > 0.0) != (descent > 0.0) {
-        return None;
+    if (height > 0.0) == (rate > 0.0) {
+        ray.admitted(height / rate)
+    } else {
+        None
     }
-    ray.admitted(height / descent)
 }
 
 impl Shape for Plane {
@@ -80,7 +84,7 @@ impl Shape for Plane {
         if leaving.is_some() {
             return None;
         }
-        intersect(ray, self.point, self.normal)
+        distance(ray, approach(ray, self.point, self.normal))
     }
 
     #[inline(always)]

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
+use super::Shape;
 use super::polygon::{PolygonError, Shear, crosses, newell};
-use super::{Shape, plane};
 use crate::math::Math;
 use crate::ray::{Ray, Side};
 
@@ -40,7 +40,7 @@ pub(super) fn intersect(
 ) -> Option<f32> {
     let [a, b, c] = vertices.map(|vertex| shear.apply(vertex));
     if crosses(a, b) ^ crosses(b, c) ^ crosses(c, a) {
-        plane::intersect(ray, vertices[0], normal)
+        shear.distance(ray, vertices, normal)
     } else {
         None
     }
