@@ -28,15 +28,8 @@ enum Kind {
 /// The temporary file that exists at the moment: a command writes one picture at a time.
 static PENDING: Mutex<Option<PathBuf>> = Mutex::new(None);
 
-/// Keeps [`PENDING`] set.
+/// Unsets [`PENDING`] when it goes.
 struct Pending;
-
-impl Pending {
-    fn new(path: &Path) -> Self {
-        *pending() = Some(path.to_owned());
-        Self
-    }
-}
 
 impl Drop for Pending {
     fn drop(&mut self) {
@@ -160,15 +153,19 @@ impl Kind {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
-        // With the permissions of any new file: tempfile's own would be the user's alone.
+        let guard = Pending;
         let file = tempfile::Builder::new()
             .prefix(".whitted-")
             .suffix(".part")
-            .make_in(directory, |path| File::create_new(path))?;
+            .make_in(directory, |path| {
+                *pending() = Some(path.to_owned());
+                // With the permissions of any new file: tempfile's own would be the user's alone.
+                File::create_new(path)
+            })?;
         Ok(Self::Temporary {
-            pending: Pending::new(file.path()),
             file,
             target,
+            pending: guard,
         })
     }
 }

@@ -366,3 +366,163 @@ impl<'a> HostScene<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use whitted::{
+        CameraError, CuboidError, FrustumError, Geometry, PatchError, PlaneError, PolygonError,
+        SphereError,
+    };
+
+    use super::*;
+    use crate::scene_file::{nff, toml};
+
+    fn nff_file(text: &str) -> SceneFile {
+        nff::parse(Path::new("t.nff"), text.as_bytes()).unwrap()
+    }
+
+    #[test]
+    fn impossible_shapes_and_cameras_are_errors_at_their_place() {
+        let shape = |fields: &str| format!("[material.a]\n[[{fields}\nmaterial = 'a'");
+        let camera = |fields: &str| format!("\n[camera]\nup = [0, 0, 1]\n{fields}");
+        let cases = [
+            (
+                shape("sphere]]\ncenter = [0, 0, 0]\nradius = 0"),
+                Problem::Sphere(SphereError::ZeroRadius),
+            ),
+            (
+                // Too small beside the other numbers for a 32-bit float.
+                shape("sphere]]\ncenter = [1e30, 0, 0]\nradius = 1e-30"),
+                Problem::Sphere(SphereError::ZeroRadius),
+            ),
+            (
+                shape("plane]]\npoint = [0, 0, 0]\nnormal = [0, 0, 0]"),
+                Problem::Plane(PlaneError::ZeroNormal),
+            ),
+            (
+                shape("polygon]]\nvertices = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]"),
+                Problem::Polygon(PolygonError::ZeroArea),
+            ),
+            (
+                shape("polygon]]\nvertices = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 1]]"),
+                Problem::Polygon(PolygonError::NotPlanar(0)),
+            ),
+            (
+                shape("triangle]]\nvertices = [[0, 0, 0], [1, 1, 1], [2, 2, 2]]"),
+                Problem::Triangle(PolygonError::ZeroArea),
+            ),
+            (
+                shape(
+                    "patch]]\nvertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\n\
+                     normals = [[0, 0, 1], [0, 0, 0], [0, 0, 1]]",
+                ),
+                Problem::Patch(PatchError::Normal(1)),
+            ),
+            (
+                shape("box]]\nmin = [0, 0, 0]\nmax = [1, -1, 1]"),
+                Problem::Box(CuboidError::Inverted),
+            ),
+            (
+                shape("cylinder]]\nbase = [0, 0, 0]\napex = [0, 0, 0]\nradius = 1"),
+                Problem::Frustum(FrustumError::ZeroLength),
+            ),
+            (
+                shape("cylinder]]\nbase = [0, 0, 0]\napex = [0, 0, 1]\nradius = 0"),
+                Problem::Frustum(FrustumError::ZeroRadius),
+            ),
+            (
+                shape(
+                    "frustum]]\nbase = [0, 0, 0]\nbase_radius = 1\napex = [0, 0, 1]\n\
+                     apex_radius = -1",
+                ),
+                Problem::Frustum(FrustumError::MixedSigns),
+            ),
+            (
+                camera("eye = [1, 2, 3]\ntarget = [1, 2, 3]\nfov = 30"),
+                Problem::Camera(CameraError::NoDirection),
+            ),
+            (
+                camera("eye = [1, 2, 3]\ntarget = [1, 2, 9]\nfov = 30"),
+                Problem::Camera(CameraError::UpAlongView),
+            ),
+            (
+                camera(
+                    "eye = [0, 1, 0]\ntarget = [1, 0, 0]\n\
+                     frustum = { left = 1, right = 1, bottom = 0, top = 1, distance = 1 }",
+                ),
+                Problem::Camera(CameraError::NoExtent),
+            ),
+            (
+                camera(
+                    "eye = [0, 1, 0]\ntarget = [1, 0, 0]\n\
+                     frustum = { left = 0, right = 1, bottom = 0, top = 1, distance = -1 }",
+                ),
+                Problem::Camera(CameraError::Distance),
+            ),
+        ];
+        for (text, problem) in cases {
+            let file = toml::parse(Path::new("t.toml"), &text).unwrap();
+            let pool = Pool::new(&file);
+            let error = HostScene::new(&file, &pool).err().unwrap();
+            assert_eq!(error.place, Some(Place { line: 2, column: 1 }), "{text}");
+            assert_eq!(error.problem, problem, "{text}");
+        }
+    }
+
+    #[test]
+    fn equal_materials_of_different_names_are_one() {
+        let file = toml::parse(
+            Path::new("t.toml"),
+            "[material.a]\n[material.b]\n[material.c]\ndiffuse = 0.5",
+        )
+        .unwrap();
+        assert_eq!(file.materials.len(), 3);
+        assert_eq!(Pool::new(&file).materials().len(), 2);
+    }
+
+    #[test]
+    fn hits_name_objects_of_the_file() {
+        let file = nff_file(
+            "f 1 1 1 1 0 0 0 0\np 3 0 0 0 1 0 0 0 1 0\ns 9 0 0 1\n\
+             pp 4 0 0 3 0 0 1 1 0 3 0 0 1 1 1 3 0 0 1 0 1 3 0 0 1\ns 5 0 0 1\n\
+             p 4 0 0 -1 1 0 -1 1 1 -1 0 1 -1",
+        );
+        let pool = Pool::new(&file);
+        let scene = HostScene::new(&file, &pool).unwrap();
+        let geometry = scene.geometry();
+        assert_eq!(geometry.len(), 6);
+        let of_kind: Vec<_> = (0..6).map(|it| scene.in_file(it).index).collect();
+        assert_eq!(of_kind, [1, 3, 4, 0, 2, 2]);
+    }
+
+    #[test]
+    fn angles_are_vertical_or_the_same_both_ways() {
+        let file = nff_file("v from 0 0 5 at 0 0 0 up 0 1 0 angle 90 hither 1 resolution 8 8");
+        let half_extent = |file: &SceneFile| {
+            let pool = Pool::new(file);
+            let scene = HostScene::new(file, &pool).unwrap();
+            let camera = scene.camera(200, 100).unwrap().unwrap().camera;
+            [camera.right.length() / 2.0, camera.down.length() / 2.0]
+        };
+        assert_eq!(half_extent(&file), [1.0, 1.0]);
+        let camera = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\n";
+        let parse = |lens: &str| toml::parse(Path::new("t"), &format!("{camera}{lens}")).unwrap();
+        assert_eq!(half_extent(&parse("fov = 90")), [2.0, 1.0]);
+        let window = "frustum = { left = -4e-30, right = 4e-30, bottom = -1e-30, top = 1e-30, \
+                      distance = 2e-30 }";
+        let [width, height] = half_extent(&parse(window));
+        assert!(
+            (width / height - 4.0).abs() < 1e-6,
+            "the window is stretched to the picture"
+        );
+    }
+
+    #[test]
+    fn scenes_without_a_camera_have_none() {
+        let file = nff_file("b 0 0 0");
+        let pool = Pool::new(&file);
+        assert_eq!(HostScene::new(&file, &pool).unwrap().camera(8, 8), Ok(None));
+    }
+}
