@@ -34,6 +34,8 @@
 //! # Ok::<(), whitted::CameraError>(())
 //! ```
 //!
+//! [`firmware`] leads from nothing to a picture on a panel.
+//!
 //! # Policies
 //!
 //! These hold on every target and for every input, also for input that no constructor accepts.
@@ -49,7 +51,7 @@
 //! # Range
 //!
 //! Pictures do not change by a bit when every length is multiplied by 2^k for |k| up to 40, for
-//! scenes whose sizes and distances lie within 2^-16 to 2^16 before that. Beyond this range squares
+//! scenes whose sizes and distances lie within 2^-8 to 2^16 before that. Beyond this range squares
 //! of lengths leave `f32`: what is then missed or hit is unspecified, though never a panic.
 
 #![no_std]
@@ -58,6 +60,8 @@
 #![deny(unsafe_code)]
 
 pub mod camera;
+#[doc = include_str!("../FIRMWARE.md")]
+pub mod firmware {}
 pub mod geometry;
 pub mod hierarchy;
 pub mod material;
