@@ -127,8 +127,9 @@ fn square(v: [f64; 3]) -> f64 {
 
 /// A shear that turns a ray into the direction of an axis, so that outlines can be judged in 2-D.
 ///
-/// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Rows that
-/// hold the identity where the paper permutes axes: multiplication by 1 and 0 rounds nothing.
+/// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Rows with a
+/// zero take the place of the paper's permutation of axes, which rounds nothing; and all is scaled by
+/// the direction along the axis, which decides nothing and takes no division.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shear {
     origin: Vec3,
@@ -146,20 +147,20 @@ impl Shear {
         let size = d.abs();
         let (x, y, depth) = if size.x > size.y && size.x > size.z {
             (
-                Vec3::new(-d.y / d.x, 1.0, 0.0),
-                Vec3::new(-d.z / d.x, 0.0, 1.0),
+                Vec3::new(-d.y, d.x, 0.0),
+                Vec3::new(-d.z, 0.0, d.x),
                 Vec3::X,
             )
         } else if size.y > size.z {
             (
-                Vec3::new(1.0, -d.x / d.y, 0.0),
-                Vec3::new(0.0, -d.z / d.y, 1.0),
+                Vec3::new(d.y, -d.x, 0.0),
+                Vec3::new(0.0, -d.z, d.y),
                 Vec3::Y,
             )
         } else {
             (
-                Vec3::new(1.0, 0.0, -d.x / d.z),
-                Vec3::new(0.0, 1.0, -d.y / d.z),
+                Vec3::new(d.z, 0.0, -d.x),
+                Vec3::new(0.0, d.z, -d.y),
                 Vec3::Z,
             )
         };
@@ -171,7 +172,7 @@ impl Shear {
         }
     }
 
-    /// Where a line through `vertex` along the ray meets the plane across it that holds the origin:
+    /// Where a line through `vertex` along the ray meets the plane that holds the origin across the axis:
     /// one function of the vertex alone, whichever outline it belongs to.
     #[inline(always)]
     pub(super) fn apply(&self, vertex: Vec3) -> Vec2 {
@@ -197,20 +198,31 @@ impl Shear {
         inside
     }
 
-    /// Distance to an outline that the ray's line [meets](Self::meets), where the ray admits it: that of
-    /// its plane, but no farther and no nearer than its vertices.
+    /// Distance to an outline, where the ray admits it and `meets` says that the ray's line passes within:
+    /// that of its plane, but no farther and no nearer than its vertices.
     ///
     /// Seen edge-on, the plane's equation says little about the distance, and the point could lie far
     /// outside the outline. The axis to which the ray is closest always tells it well; so what is met
-    /// lies within the box round the vertices, and hierarchies of boxes lose nothing.
+    /// lies within the box round the vertices, and hierarchies of boxes lose nothing. Otherwise the plane
+    /// alone turns most rays away, before any edge is looked at.
     #[inline(always)]
-    pub(super) fn distance(&self, ray: &Ray, vertices: &[Vec3], normal: Vec3) -> Option<f32> {
+    pub(super) fn distance(
+        &self,
+        ray: &Ray,
+        vertices: &[Vec3],
+        normal: Vec3,
+        meets: impl Fn() -> bool,
+    ) -> Option<f32> {
         const EDGE_ON: f32 = 0.125;
         let (height, rate) = plane::approach(ray, *vertices.first()?, normal);
         if rate < EDGE_ON && rate > -EDGE_ON {
-            ray.admitted(self.clamp(ray, vertices, height / rate))
+            if meets() {
+                ray.admitted(self.clamp(ray, vertices, height / rate))
+            } else {
+                None
+            }
         } else {
-            plane::distance(ray, (height, rate))
+            plane::distance(ray, (height, rate)).filter(|_| meets())
         }
     }
 
@@ -268,11 +280,9 @@ impl Shape for Polygon<'_> {
         if leaving.is_some() {
             return None;
         }
-        if shear.meets(self.vertices) {
-            shear.distance(ray, self.vertices, self.normal)
-        } else {
-            None
-        }
+        shear.distance(ray, self.vertices, self.normal, || {
+            shear.meets(self.vertices)
+        })
     }
 
     #[inline(always)]

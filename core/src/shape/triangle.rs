@@ -38,12 +38,10 @@ pub(super) fn intersect(
     vertices: &[Vec3; 3],
     normal: Vec3,
 ) -> Option<f32> {
-    let [a, b, c] = vertices.map(|vertex| shear.apply(vertex));
-    if crosses(a, b) ^ crosses(b, c) ^ crosses(c, a) {
-        shear.distance(ray, vertices, normal)
-    } else {
-        None
-    }
+    shear.distance(ray, vertices, normal, || {
+        let [a, b, c] = vertices.map(|vertex| shear.apply(vertex));
+        crosses(a, b) ^ crosses(b, c) ^ crosses(c, a)
+    })
 }
 
 impl Shape for Triangle {
