@@ -223,6 +223,14 @@ fn polygons() {
     check_down("collinear start", &collinear, &[(1.0, 1.0, true)]);
     let repeated = polygon(&[[0., 0.], [0., 0.], [1., 0.], [1., 1.], [0., 1.]]);
     check_down("repeated corner", &repeated, &[(0.5, 0.5, true)]);
+    let bow_tie = polygon(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]);
+    let cases = [
+        (0.25, 1.0, true),
+        (1.75, 1.0, true),
+        (1.0, 0.25, false),
+        (1.0, 1.75, false),
+    ];
+    check_down("crossing itself", &bow_tie, &cases);
     let small = 2.0_f64.powi(-40);
     let tiny = polygon(&[[0.0, 0.0], [small, 0.0], [0.0, small]]);
     check_down("tiny", &tiny, &[(small / 4.0, small / 4.0, true)]);
