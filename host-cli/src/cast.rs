@@ -175,7 +175,8 @@ pub fn cast<'a>(scene: &HostScene<'a>, given: &GivenRay, query: Query) -> Answer
     let scale = scene.scale();
     let t = (scale.unscaled(hit.t) / length(given.direction)) as f32;
     let point = hit.point.to_array().map(|it| scale.unscaled(it) as f32);
-    if !t.is_finite() || !point.iter().all(|it| it.is_finite()) {
+    // Beyond the range of f32, or on a surface so small that its points are one.
+    if !t.is_finite() || !point.iter().all(|it| it.is_finite()) || !hit.normal.is_finite() {
         return Answer::Miss { hit: false };
     }
     let object = scene.in_file(hit.object);
