@@ -14,7 +14,8 @@ use crate::ray::{Ray, Side};
 /// how far along the axis from the base they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
-    /// Center of the base, in world space.
+    /// Center of the base, in world space. The narrower end, for the sake of accuracy: measured from
+    /// the wider one, the radius near the tip of a cone is a difference of large numbers.
     pub base: Vec3,
     /// From the base to the other end; unit length.
     pub axis: Vec3,
@@ -55,7 +56,8 @@ impl fmt::Display for FrustumError {
 impl core::error::Error for FrustumError {}
 
 impl Frustum {
-    /// The side between two circles: a cylinder for equal radii, a cone for one radius of zero.
+    /// The side between two circles: a cylinder for equal radii, a cone for one radius of zero. The
+    /// narrower end becomes the base, whichever is named first.
     ///
     /// # Errors
     ///
@@ -76,6 +78,11 @@ impl Frustum {
         if (base_radius < 0.0 && apex_radius > 0.0) || (base_radius > 0.0 && apex_radius < 0.0) {
             return Err(FrustumError::MixedSigns);
         }
+        let (base, base_radius, apex, apex_radius) = if apex_radius.abs() < base_radius.abs() {
+            (apex, apex_radius, base, base_radius)
+        } else {
+            (base, base_radius, apex, apex_radius)
+        };
         let (length, axis) =
             math::unit(math::difference(apex, base)).ok_or(FrustumError::ZeroLength)?;
         let growth = f64::from(apex_radius) - f64::from(base_radius);

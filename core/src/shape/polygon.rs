@@ -85,11 +85,7 @@ pub(super) fn newell(vertices: &[Vec3]) -> Result<Vec3, PolygonError> {
             largest = area;
         }
         for x in current {
-            size = if libm::fabs(x) > size {
-                libm::fabs(x)
-            } else {
-                size
-            };
+            size = if x.abs() > size { x.abs() } else { size };
         }
         previous = current;
     }
@@ -112,9 +108,9 @@ pub(super) fn newell(vertices: &[Vec3]) -> Result<Vec3, PolygonError> {
         let (mut height, mut rounding) = (0.0, 0.0);
         for i in 0..3 {
             height += sum[i] / length * offset[i];
-            rounding += libm::fabs(sum[i] / length * f64::from(vertex.to_array()[i]));
+            rounding += (sum[i] / length * f64::from(vertex.to_array()[i])).abs();
         }
-        if libm::fabs(height) > NOT_PLANAR * size + ROUNDING * rounding {
+        if height.abs() > NOT_PLANAR * size + ROUNDING * rounding {
             return Err(PolygonError::NotPlanar(index));
         }
     }
