@@ -2,15 +2,43 @@
 //!
 //! Every input is an exact `f32`. A distance is right to 2 ulp; where geometry leaves a choice, the
 //! policy that the documentation states is what is checked. The numbers are those of the cases, C01
-//! to C40; every geometric one asks `closest_hit` and `occluded` together.
+//! to C40; every geometric one asks `closest_hit` and `occluded` together, and `whitted cast`.
 
-use std::f32::consts::FRAC_1_SQRT_2;
+use std::path::Path;
 
 use whitted::math::refract;
 use whitted::*;
+use whitted_cli::cast::{self, GivenRay, Query, cast};
+use whitted_cli::scene::{HostScene, Pool};
+use whitted_cli::scene_file::toml;
 
-fn ray(origin: [f32; 3], direction: [f32; 3]) -> Ray {
-    Ray::new(origin.into(), direction.into())
+/// A ray as a case gives it: the direction need not have unit length, and `t` counts in lengths of it.
+#[derive(Clone, Copy)]
+struct Line {
+    origin: [f32; 3],
+    direction: [f32; 3],
+}
+
+fn line(origin: [f32; 3], direction: [f32; 3]) -> Line {
+    Line { origin, direction }
+}
+
+impl Line {
+    fn length(&self) -> f64 {
+        self.direction
+            .iter()
+            .map(|&x| f64::from(x).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    }
+
+    /// With a direction of unit length.
+    fn ray(&self) -> Ray {
+        let unit = self
+            .direction
+            .map(|x| (f64::from(x) / self.length()) as f32);
+        Ray::new(self.origin.into(), unit.into())
+    }
 }
 
 /// 2 to a whole power.
@@ -24,8 +52,107 @@ fn ulps(x: f32, exact: f64) -> f64 {
     (f64::from(x) - exact).abs() / f64::from(nearest.next_up() - nearest)
 }
 
-/// Whether a shape answers a ray as it should, alone and as the second of two of them.
-fn check<S: Shape + Copy>(case: &str, shape: S, ray: Ray, t: Option<f64>, normal: Option<Vec3>) {
+/// A shape as a scene file in TOML has it.
+trait InFile: Shape + Copy {
+    fn toml(&self) -> String;
+}
+
+fn numbers(v: Vec3) -> String {
+    format!("{:?}", v.to_array().map(f64::from))
+}
+
+fn list(vertices: &[Vec3]) -> String {
+    let vertices: Vec<_> = vertices.iter().map(|&v| numbers(v)).collect();
+    vertices.join(", ")
+}
+
+impl InFile for Sphere {
+    fn toml(&self) -> String {
+        let (center, radius) = (numbers(self.center), f64::from(self.radius));
+        format!("[[sphere]]\ncenter = {center}\nradius = {radius:?}")
+    }
+}
+
+impl InFile for Plane {
+    fn toml(&self) -> String {
+        let (point, normal) = (numbers(self.point), numbers(self.normal));
+        format!("[[plane]]\npoint = {point}\nnormal = {normal}")
+    }
+}
+
+impl InFile for Polygon<'_> {
+    fn toml(&self) -> String {
+        format!("[[polygon]]\nvertices = [{}]", list(self.vertices))
+    }
+}
+
+impl InFile for Triangle {
+    fn toml(&self) -> String {
+        format!("[[triangle]]\nvertices = [{}]", list(&self.vertices))
+    }
+}
+
+impl InFile for Cuboid {
+    fn toml(&self) -> String {
+        format!(
+            "[[box]]\nmin = {}\nmax = {}",
+            numbers(self.min),
+            numbers(self.max)
+        )
+    }
+}
+
+/// What is right: how far in lengths of the direction, and which normal if it is exactly known.
+type Answer = Option<(f64, Option<Vec3>)>;
+
+/// Whether a shape answers a ray as it should: to `closest_hit` and `occluded`, alone and as the
+/// first of two equal ones, and in a scene file to `whitted cast`.
+fn check(case: &str, shape: impl InFile, line: Line, right: Answer) {
+    check_in_core(case, shape, line, right);
+    check_in_file(case, shape, line, right);
+}
+
+/// The part of [`check`] that asks `whitted cast`.
+fn check_in_file(case: &str, shape: impl InFile, line: Line, right: Answer) {
+    let text = format!("[material.any]\n{}\nmaterial = \"any\"", shape.toml());
+    let file = toml::parse(Path::new(case), &text).unwrap();
+    let pool = Pool::new(&file);
+    let scene = HostScene::new(&file, &pool).unwrap();
+    let given = GivenRay {
+        origin: line.origin.map(f64::from),
+        direction: line.direction.map(f64::from),
+        t_max: f64::INFINITY,
+    };
+    let occluded = cast(&scene, &given, Query::Occluded);
+    let right_occluded = cast::Answer::Occluded {
+        occluded: right.is_some(),
+    };
+    assert_eq!(occluded, right_occluded, "{case}: cast --occluded");
+    match (cast(&scene, &given, Query::Closest), right) {
+        (cast::Answer::Miss { .. }, None) => {}
+        (
+            cast::Answer::Hit {
+                t,
+                normal: cast_normal,
+                ..
+            },
+            Some((right_t, normal)),
+        ) => {
+            assert!(
+                ulps(t, right_t) <= 2.0,
+                "{case}: cast's t is {t}, not {right_t}"
+            );
+            if let Some(normal) = normal {
+                assert_eq!(Vec3::from(cast_normal), normal, "{case}: cast's normal");
+            }
+        }
+        (answer, right) => panic!("{case}: cast answers {answer:?} where {right:?} is right"),
+    }
+}
+
+/// The part of [`check`] that asks core, also for shapes which no constructor makes.
+fn check_in_core<S: Shape + Copy>(case: &str, shape: S, line: Line, right: Answer) {
+    let ray = line.ray();
     let object = Object {
         shape,
         material: &(),
@@ -42,10 +169,10 @@ fn check<S: Shape + Copy>(case: &str, shape: S, ray: Ray, t: Option<f64>, normal
         hit,
         "{case}: the first of two equal ones"
     );
-    match (hit, t) {
+    match (hit, right) {
         (None, None) => {}
-        (Some(hit), Some(t)) => {
-            let error = ulps(hit.t, t);
+        (Some(hit), Some((t, normal))) => {
+            let error = ulps(hit.t, t * line.length());
             assert!(error <= 2.0, "{case}: t is {}, {error} ulp from {t}", hit.t);
             assert!(
                 (hit.normal.length() - 1.0).abs() < 1e-6,
@@ -68,228 +195,125 @@ fn check<S: Shape + Copy>(case: &str, shape: S, ray: Ray, t: Option<f64>, normal
                 "{case}: the interval is open"
             );
         }
-        (hit, t) => panic!("{case}: {:?} where {t:?} is right", hit.map(|hit| hit.t)),
+        (hit, right) => panic!(
+            "{case}: {:?} where {right:?} is right",
+            hit.map(|hit| hit.t)
+        ),
     }
 }
 
+/// A ray with a direction of unit length, or what a case has in its place.
+fn ray(origin: [f32; 3], direction: [f32; 3]) -> Ray {
+    Ray::new(origin.into(), direction.into())
+}
+
+const X: Vec3 = Vec3::X;
+const Y: Vec3 = Vec3::Y;
+const Z: Vec3 = Vec3::Z;
+
+/// A hit whose normal is known.
+fn hit(t: f64, normal: Vec3) -> Answer {
+    Some((t, Some(normal)))
+}
+
+/// A hit whose normal is not a short number.
+fn at(t: f64) -> Answer {
+    Some((t, None))
+}
+
+const MISS: Answer = None;
+
 #[test]
-fn c01_to_c09_spheres() {
-    let unit = |radius| Sphere {
-        center: Vec3::ZERO,
-        radius,
-    };
-    let along_z = |x, z| ray([x, 0.0, z], [0.0, 0.0, 1.0]);
-    let ball = unit(1.0);
+#[rustfmt::skip]
+fn c01_to_c10_spheres() {
+    let sphere = |x, y, z, radius| Sphere { center: Vec3::new(x, y, z), radius };
+    let ball = sphere(0.0, 0.0, 0.0, 1.0);
+    let along_z = |x, z| line([x, 0.0, z], [0.0, 0.0, 1.0]);
+    let tiny = exp2(-80);
     let cases = [
-        (
-            "C01 touching counts",
-            ball,
-            along_z(1.0, -3.0),
-            Some(3.0),
-            Some(Vec3::X),
-        ),
-        (
-            "C02 an ulp inside the silhouette",
-            ball,
-            along_z(1.0 - exp2(-24), -3.0),
-            Some(2.999_654_733_022_14),
-            None,
-        ),
-        (
-            "C03 an ulp outside",
-            ball,
-            along_z(1.0 + exp2(-23), -3.0),
-            None,
-            None,
-        ),
-        (
-            "C04 far away",
-            ball,
-            along_z(0.5, -1e4),
-            Some(9_999.133_974_596_22),
-            None,
-        ),
-        ("C05 far away, beside", ball, along_z(1.5, -1e4), None, None),
-        (
-            "C06 from the centre",
-            unit(2.0),
-            ray([0.0; 3], [0.0, 1.0, 0.0]),
-            Some(2.0),
-            Some(Vec3::NEG_Y),
-        ),
-        (
-            "C07a off the surface, away",
-            ball,
-            ray([0.0, 0.0, -1.0], [0.0, 0.0, -1.0]),
-            None,
-            None,
-        ),
-        (
-            "C07b across",
-            ball,
-            along_z(0.0, -1.0),
-            Some(2.0),
-            Some(Vec3::NEG_Z),
-        ),
-        (
-            "C07c along the tangent",
-            ball,
-            ray([0.0, 0.0, -1.0], [1.0, 0.0, 0.0]),
-            None,
-            None,
-        ),
-        (
-            "C08 through two points of a circle, direction made unit",
-            Sphere {
-                center: Vec3::new(6.0, 8.0, 0.0),
-                radius: 5.0,
-            },
-            ray([0.0; 3], [0.6, 0.8, 0.0]),
-            Some(5.0),
-            None,
-        ),
-        (
-            "C09 a ground of a million",
-            Sphere {
-                center: Vec3::new(0.0, -1e6, 0.0),
-                radius: 1e6,
-            },
-            ray([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]),
-            Some(1.0),
-            Some(Vec3::Y),
-        ),
+        ("C01 touching counts", ball, along_z(1.0, -3.0), hit(3.0, X)),
+        ("C02 an ulp inside the silhouette", ball, along_z(1.0 - exp2(-24), -3.0), at(2.999_654_733_022_14)),
+        ("C03 an ulp outside", ball, along_z(1.0 + exp2(-23), -3.0), MISS),
+        ("C04 far away", ball, along_z(0.5, -1e4), at(9_999.133_974_596_22)),
+        ("C05 far away, beside", ball, along_z(1.5, -1e4), MISS),
+        ("C06 from the centre", sphere(0.0, 0.0, 0.0, 2.0), line([0.0; 3], [0.0, 1.0, 0.0]), hit(2.0, -Y)),
+        ("C07a off the surface, away", ball, line([0.0, 0.0, -1.0], [0.0, 0.0, -1.0]), MISS),
+        ("C07b across", ball, along_z(0.0, -1.0), hit(2.0, -Z)),
+        ("C07c along the tangent", ball, line([0.0, 0.0, -1.0], [1.0, 0.0, 0.0]), MISS),
+        ("C08 a direction of length 5", sphere(6.0, 8.0, 0.0, 5.0), line([0.0; 3], [3.0, 4.0, 0.0]), at(1.0)),
+        ("C09 a ground of a million", sphere(0.0, -1e6, 0.0, 1e6), line([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]), hit(1.0, Y)),
     ];
-    for (case, sphere, ray, t, normal) in cases {
-        check(case, sphere, ray, t, normal);
+    for (case, sphere, line, right) in cases {
+        check(case, sphere, line, right);
     }
+    // Squares of such lengths are no `f32`: only a scene file, which is cast at another scale, tells.
+    let tiny_ball = sphere(0.0, 0.0, 0.0, tiny);
+    let t = f64::from(exp2(-79));
+    check_in_file("C10 tiny", tiny_ball, along_z(0.0, -3.0 * tiny), hit(t, -Z));
+    check_in_file("C10 beside", tiny_ball, along_z(1.25 * tiny, -3.0 * tiny), MISS);
 }
 
 #[test]
 fn c07_a_ray_that_leaves_a_sphere_does_not_meet_it_where_it_starts() {
     let ball = [Object {
-        shape: Sphere {
-            center: Vec3::ZERO,
-            radius: 1.0,
-        },
+        shape: Sphere::new(Vec3::ZERO, 1.0).unwrap(),
         material: &(),
     }];
-    let leaving = |direction, side| Ray {
-        departure: Some(Departure { object: 0, side }),
-        ..Ray::new(Vec3::NEG_Z, direction)
-    };
     let cases = [
-        ("away", leaving(Vec3::NEG_Z, Side::Outside), None),
-        ("across", leaving(Vec3::Z, Side::Inside), Some(2.0)),
-        (
-            "along the tangent, outside",
-            leaving(Vec3::X, Side::Outside),
-            None,
-        ),
-        (
-            "along the tangent, inside",
-            leaving(Vec3::X, Side::Inside),
-            None,
-        ),
+        ("away", -Z, Side::Outside, None),
+        ("across", Z, Side::Inside, Some(2.0)),
+        ("along the tangent, outside", X, Side::Outside, None),
+        ("along the tangent, inside", X, Side::Inside, None),
     ];
-    for (case, ray, t) in cases {
-        assert_eq!(
-            ball.as_slice().closest_hit(&ray).map(|hit| hit.t),
-            t,
-            "{case}"
-        );
+    for (case, direction, side, t) in cases {
+        let ray = Ray {
+            departure: Some(Departure { object: 0, side }),
+            ..Ray::new(-Z, direction)
+        };
+        let hit = ball.as_slice().closest_hit(&ray);
+        assert_eq!(hit.map(|hit| hit.t), t, "{case}");
         assert_eq!(ball.as_slice().occluded(&ray), t.is_some(), "{case}");
     }
 }
 
 #[test]
-fn c11_a_sphere_without_radius_is_refused_and_never_makes_a_pixel_nan() {
+fn c11_a_sphere_without_radius_is_refused_and_never_hit() {
     assert_eq!(Sphere::new(Vec3::ZERO, 0.0), Err(SphereError::ZeroRadius));
     let forced = Sphere {
         center: Vec3::ZERO,
         radius: 0.0,
     };
-    check(
-        "C11",
-        forced,
-        ray([0.0, 0.0, -3.0], [0.0, 0.0, 1.0]),
-        None,
-        None,
-    );
-    check(
-        "C11 from inside",
-        forced,
-        ray([0.0; 3], [0.0, 0.0, 1.0]),
-        None,
-        None,
-    );
-    check(
+    let up = [0.0, 0.0, 1.0];
+    check_in_core("C11", forced, line([0.0, 0.0, -3.0], up), MISS);
+    check_in_core("C11 from the centre", forced, line([0.0; 3], up), MISS);
+    check_in_core(
         "C11 beside",
         forced,
-        ray([exp2(-149), 0.0, -3.0], [0.0, 0.0, 1.0]),
-        None,
-        None,
+        line([exp2(-149), 0.0, -3.0], up),
+        MISS,
     );
 }
 
 #[test]
+#[rustfmt::skip]
 fn c12_to_c16_planes() {
-    let floor = Plane {
-        point: Vec3::ZERO,
-        normal: Vec3::Y,
-    };
-    let third = 1.0 / 3.0;
+    let floor = Plane::new(Vec3::ZERO, Y).unwrap();
     let far = Vec3::splat(exp2(23));
-    let tilted = Plane::new(far, Vec3::new(1.0, 2.0, 2.0)).unwrap();
+    let tilt = Vec3::new(1.0, 2.0, 2.0);
+    let tilted = Plane::new(far, tilt).unwrap();
+    let over = (far + tilt).to_array();
     let cases = [
-        (
-            "C12 the horizon",
-            floor,
-            ray([0.0, 1.0, 0.0], [1.0, -exp2(-20), 0.0]),
-            Some(1_048_576.0),
-        ),
-        (
-            "C13a parallel",
-            floor,
-            ray([0.0, 1.0, 0.0], [1.0, 0.0, 0.0]),
-            None,
-        ),
-        ("C13b within", floor, ray([0.0; 3], [1.0, 0.0, 0.0]), None),
-        (
-            "C14 far from the origin, direction made unit",
-            tilted,
-            Ray::new(
-                far + Vec3::new(1.0, 2.0, 2.0),
-                Vec3::new(-third, -2.0 * third, -2.0 * third),
-            ),
-            Some(3.0),
-        ),
-        (
-            "C15 upwards",
-            floor,
-            ray([0.0, 1.0, 0.0], [0.0, 1.0, 0.0]),
-            None,
-        ),
-        (
-            "C15 from the plane itself",
-            floor,
-            ray([0.0; 3], [0.0, -1.0, 0.0]),
-            None,
-        ),
-        (
-            "C15 from the plane itself, -0",
-            floor,
-            ray([0.0, -0.0, 0.0], [0.0, -1.0, 0.0]),
-            None,
-        ),
-        (
-            "C16 beyond f32",
-            floor,
-            ray([0.0, 1.0, 0.0], [1.0, -exp2(-149), 0.0]),
-            None,
-        ),
+        ("C12 the horizon", floor, line([0.0, 1.0, 0.0], [1.0, -exp2(-20), 0.0]), hit(1_048_576.0, Y)),
+        ("C13a parallel", floor, line([0.0, 1.0, 0.0], [1.0, 0.0, 0.0]), MISS),
+        ("C13b within", floor, line([0.0; 3], [1.0, 0.0, 0.0]), MISS),
+        ("C14 far from the origin", tilted, line(over, [-1.0, -2.0, -2.0]), at(1.0)),
+        ("C15 upwards", floor, line([0.0, 1.0, 0.0], [0.0, 1.0, 0.0]), MISS),
+        ("C15 from the plane itself", floor, line([0.0; 3], [0.0, -1.0, 0.0]), MISS),
+        ("C15 from the plane itself, -0", floor, line([0.0, -0.0, 0.0], [0.0, -1.0, 0.0]), MISS),
+        ("C16 beyond f32", floor, line([0.0, 1.0, 0.0], [1.0, -exp2(-149), 0.0]), MISS),
     ];
-    for (case, plane, ray, t) in cases {
-        check(case, plane, ray, t, None);
+    for (case, plane, line, right) in cases {
+        check(case, plane, line, right);
     }
 }
 
@@ -299,8 +323,8 @@ fn flat<const N: usize>(points: [[f32; 2]; N]) -> [Vec3; N] {
 }
 
 /// From above, straight down to z = 0.
-fn down(x: f32, y: f32) -> Ray {
-    ray([x, y, 1.0], [0.0, 0.0, -1.0])
+fn down(x: f32, y: f32) -> Line {
+    line([x, y, 1.0], [0.0, 0.0, -1.0])
 }
 
 fn square(x: f32, y: f32) -> [Vec3; 4] {
@@ -308,218 +332,123 @@ fn square(x: f32, y: f32) -> [Vec3; 4] {
 }
 
 /// How many of some polygons a ray meets, each asked alone.
-fn meets(outlines: &[&[Vec3]], ray: Ray) -> usize {
+fn meets(outlines: &[&[Vec3]], line: Line) -> usize {
     let met = |outline: &&&[Vec3]| {
+        let shape = Polygon::new(outline).unwrap();
         let object = [Object {
-            shape: Polygon::new(outline).unwrap(),
+            shape,
             material: &(),
         }];
-        let hit = object.as_slice().closest_hit(&ray);
-        assert_eq!(object.as_slice().occluded(&ray), hit.is_some());
-        hit.is_some_and(|hit| hit.t == 1.0)
+        let hit = object.as_slice().closest_hit(&line.ray());
+        let right = hit.map(|hit| (1.0, Some(hit.normal)));
+        check("one of several polygons", shape, line, right);
+        hit.is_some()
     };
     outlines.iter().filter(met).count()
 }
 
 #[test]
 fn c17_and_c18_exactly_one_of_the_owners_of_an_edge_or_a_corner_is_hit() {
-    let [a, b, c, d] = [
-        square(0.0, 0.0),
-        square(1.0, 0.0),
-        square(0.0, 1.0),
-        square(1.0, 1.0),
-    ];
-    assert_eq!(meets(&[&a, &b], down(1.0, 0.5)), 1, "C17");
-    assert_eq!(meets(&[&a, &b, &c, &d], down(1.0, 1.0)), 1, "C18");
-    for edge in [[1.0, 0.5], [1.0, 1.5], [0.5, 1.0], [1.5, 1.0]] {
-        assert_eq!(
-            meets(&[&a, &b, &c, &d], down(edge[0], edge[1])),
-            1,
-            "{edge:?}"
-        );
+    let tiles = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| square(x, y));
+    let [a, b, c, d] = &tiles;
+    assert_eq!(meets(&[a, b], down(1.0, 0.5)), 1, "C17");
+    assert_eq!(meets(&[a, b, c, d], down(1.0, 1.0)), 1, "C18");
+    for (x, y) in [(1.0, 0.5), (1.0, 1.5), (0.5, 1.0), (1.5, 1.0)] {
+        assert_eq!(meets(&[a, b, c, d], down(x, y)), 1, "edge at {x}, {y}");
     }
-    // The same from below, and for the two triangles of which each square can be made.
-    let up = ray([1.0, 1.0, -1.0], [0.0, 0.0, 1.0]);
-    assert_eq!(meets(&[&a, &b, &c, &d], up), 1, "C18 from below");
-    let halves = |s: [Vec3; 4]| [[s[0], s[1], s[2]], [s[0], s[2], s[3]]];
-    let [left, right] = halves(a);
-    assert_eq!(meets(&[&left, &right], down(0.5, 0.5)), 1, "diagonal");
+    let up = line([1.0, 1.0, -1.0], [0.0, 0.0, 1.0]);
+    assert_eq!(meets(&[a, b, c, d], up), 1, "C18 from below");
+    let [left, right] = [[a[0], a[1], a[2]], [a[0], a[2], a[3]]];
+    assert_eq!(
+        meets(&[&left, &right], down(0.5, 0.5)),
+        1,
+        "the diagonal of a square"
+    );
 }
 
 #[test]
+#[rustfmt::skip]
 fn c19_to_c26_outlines() {
-    let corner = flat([
-        [2.0, 0.0],
-        [2.0, 1.0],
-        [1.0, 1.0],
-        [1.0, 2.0],
-        [0.0, 2.0],
-        [0.0, 0.0],
-    ]);
+    let corner = flat([[2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0], [0.0, 0.0]]);
     let bow_tie = flat([[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]);
     let collinear = flat([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
     let repeated = flat([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
     let tiny = flat([[0.0, 0.0], [exp2(-40), 0.0], [0.0, exp2(-40)]]);
     let diamond = flat([[0.0, 0.5], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0]]);
-    let cases: [(&str, &[Vec3], [f32; 2], bool); 15] = [
-        ("C19 the notch of an L", &corner, [1.2, 1.2], false),
-        ("C20 one arm", &corner, [0.5, 1.5], true),
-        ("C20 the other arm", &corner, [1.5, 0.5], true),
-        ("C21 a bow-tie, left", &bow_tie, [0.25, 1.0], true),
-        ("C21 a bow-tie, right", &bow_tie, [1.75, 1.0], true),
-        ("C21 a bow-tie, below", &bow_tie, [1.0, 0.25], false),
-        ("C21 a bow-tie, above", &bow_tie, [1.0, 1.75], false),
-        ("C22 starts along a line", &collinear, [1.0, 1.0], true),
-        ("C23 a vertex twice", &repeated, [0.5, 0.5], true),
-        ("C24 tiny", &tiny, [exp2(-42), exp2(-42)], true),
-        ("C24 tiny, beside", &tiny, [exp2(-40), exp2(-40)], false),
-        ("C26 vertices beside the ray", &diamond, [0.5, 0.5], true),
-        ("C26 before both vertices", &diamond, [-0.5, 0.5], false),
-        ("C26 behind both vertices", &diamond, [1.5, 0.5], false),
-        ("C26 beside a vertex above", &diamond, [0.25, 1.0], false),
+    let cases: [(&str, &[Vec3], Line, bool); 15] = [
+        ("C19 the notch of an L", &corner, down(1.2, 1.2), false),
+        ("C20 one arm", &corner, down(0.5, 1.5), true),
+        ("C20 the other arm", &corner, down(1.5, 0.5), true),
+        ("C21 a bow-tie, left", &bow_tie, down(0.25, 1.0), true),
+        ("C21 a bow-tie, right", &bow_tie, down(1.75, 1.0), true),
+        ("C21 a bow-tie, below", &bow_tie, down(1.0, 0.25), false),
+        ("C21 a bow-tie, above", &bow_tie, down(1.0, 1.75), false),
+        ("C22 starts along a line", &collinear, down(1.0, 1.0), true),
+        ("C23 a vertex twice", &repeated, down(0.5, 0.5), true),
+        ("C24 tiny", &tiny, down(exp2(-42), exp2(-42)), true),
+        ("C24 tiny, beside", &tiny, down(exp2(-40), exp2(-40)), false),
+        ("C26 vertices beside the ray", &diamond, down(0.5, 0.5), true),
+        ("C26 before both vertices", &diamond, down(-0.5, 0.5), false),
+        ("C26 behind both vertices", &diamond, down(1.5, 0.5), false),
+        ("C26 beside a vertex above", &diamond, down(0.25, 1.0), false),
     ];
-    for (case, outline, [x, y], hit) in cases {
-        let polygon = Polygon::new(outline).unwrap();
-        check(
-            case,
-            polygon,
-            down(x, y),
-            hit.then_some(1.0),
-            hit.then_some(Vec3::Z),
-        );
+    for (case, outline, line, inside) in cases {
+        let right = if inside { at(1.0) } else { MISS };
+        check(case, Polygon::new(outline).unwrap(), line, right);
         if let &[a, b, c] = outline {
-            check(
-                case,
-                Triangle::new([a, b, c]).unwrap(),
-                down(x, y),
-                hit.then_some(1.0),
-                None,
-            );
+            check(case, Triangle::new([a, b, c]).unwrap(), line, right);
         }
     }
 }
 
 #[test]
 fn c25_an_outline_without_area_is_refused_and_never_hit() {
-    let line = flat([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]);
-    assert_eq!(Polygon::new(&line), Err(PolygonError::ZeroArea));
-    assert_eq!(Triangle::new(line), Err(PolygonError::ZeroArea));
-    let patch = Patch::new(line, [Vec3::Z; 3]);
+    let edge = flat([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]);
+    assert_eq!(Polygon::new(&edge), Err(PolygonError::ZeroArea));
+    assert_eq!(Triangle::new(edge), Err(PolygonError::ZeroArea));
+    let patch = Patch::new(edge, [Z; 3]);
     assert_eq!(patch, Err(PatchError::Outline(PolygonError::ZeroArea)));
-    for normal in [Vec3::Z, Vec3::ZERO, Vec3::NAN] {
+    for normal in [Z, Vec3::ZERO, Vec3::NAN] {
         for x in [0.0, 0.5, 1.0, 2.0] {
             let case = format!("C25 at {x}, normal {normal}");
-            check(
-                &case,
-                Polygon {
-                    vertices: &line,
-                    normal,
-                },
-                down(x, 0.0),
-                None,
-                None,
-            );
-            check(
-                &case,
-                Triangle {
-                    vertices: line,
-                    normal,
-                },
-                down(x, 0.0),
-                None,
-                None,
-            );
+            let polygon = Polygon {
+                vertices: &edge,
+                normal,
+            };
+            let triangle = Triangle {
+                vertices: edge,
+                normal,
+            };
+            check_in_core(&case, polygon, down(x, 0.0), MISS);
+            check_in_core(&case, triangle, down(x, 0.0), MISS);
         }
     }
 }
 
 #[test]
+#[rustfmt::skip]
 fn c27_to_c32_boxes() {
-    let die = Cuboid {
-        min: Vec3::NEG_ONE,
-        max: Vec3::ONE,
-    };
+    let die = Cuboid::new(Vec3::NEG_ONE, Vec3::ONE).unwrap();
     let card = Cuboid::new(Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 0.0, 1.0)).unwrap();
-    let half = FRAC_1_SQRT_2;
-    let along_x = |x, y| ray([x, y, 0.0], [1.0, 0.0, 0.0]);
-    let along_x_negative_zero = |x, y| ray([x, y, 0.0], [1.0, -0.0, 0.0]);
-    let diagonal = |y| ray([0.0, y, 0.0], [half, half, 0.0]);
-    let left = Some(Vec3::NEG_X);
+    let along = |x, y| line([x, y, 0.0], [1.0, 0.0, 0.0]);
+    let along_signed = |x, y| line([x, y, 0.0], [1.0, -0.0, 0.0]);
+    let diagonal = |y| line([0.0, y, 0.0], [1.0, 1.0, 0.0]);
+    let above = 1.0 + exp2(-23);
     let cases = [
-        (
-            "C27 along an axis",
-            die,
-            along_x(-2.0, 0.0),
-            Some(1.0),
-            left,
-        ),
-        (
-            "C27 along an axis, -0",
-            die,
-            along_x_negative_zero(-2.0, 0.0),
-            Some(1.0),
-            left,
-        ),
-        (
-            "C28 within a face's plane",
-            die,
-            along_x(-2.0, 1.0),
-            Some(1.0),
-            left,
-        ),
-        (
-            "C28 within a face's plane, -0",
-            die,
-            along_x_negative_zero(-2.0, 1.0),
-            Some(1.0),
-            left,
-        ),
-        (
-            "C28 within the lower face's plane",
-            die,
-            along_x(-2.0, -1.0),
-            Some(1.0),
-            left,
-        ),
-        (
-            "C29 an ulp above that plane",
-            die,
-            along_x(-2.0, 1.0 + exp2(-23)),
-            None,
-            None,
-        ),
-        (
-            "C29 the same, -0",
-            die,
-            along_x_negative_zero(-2.0, 1.0 + exp2(-23)),
-            None,
-            None,
-        ),
-        ("C30 from inside", die, along_x(0.0, 0.0), Some(1.0), left),
-        (
-            "C31 through an edge",
-            die,
-            diagonal(-2.0),
-            Some(1.0 / f64::from(half)),
-            None,
-        ),
-        (
-            "C31 past an edge",
-            die,
-            diagonal(-2.0 - exp2(-22)),
-            None,
-            None,
-        ),
-        (
-            "C32 no thickness",
-            card,
-            ray([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]),
-            Some(1.0),
-            Some(Vec3::Y),
-        ),
+        ("C27 along an axis", die, along(-2.0, 0.0), hit(1.0, -X)),
+        ("C27 along an axis, -0", die, along_signed(-2.0, 0.0), hit(1.0, -X)),
+        ("C28 within a face's plane", die, along(-2.0, 1.0), hit(1.0, -X)),
+        ("C28 within a face's plane, -0", die, along_signed(-2.0, 1.0), hit(1.0, -X)),
+        ("C28 within the lower face's plane", die, along(-2.0, -1.0), hit(1.0, -X)),
+        ("C29 an ulp above that plane", die, along(-2.0, above), MISS),
+        ("C29 an ulp above that plane, -0", die, along_signed(-2.0, above), MISS),
+        ("C30 from inside", die, along(0.0, 0.0), hit(1.0, -X)),
+        ("C31 through an edge", die, diagonal(-2.0), at(1.0)),
+        ("C31 past an edge", die, diagonal(-2.0 - exp2(-22)), MISS),
+        ("C32 no thickness", card, line([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]), hit(1.0, Y)),
     ];
-    for (case, cuboid, ray, t, normal) in cases {
-        check(case, cuboid, ray, t, normal);
+    for (case, cuboid, line, right) in cases {
+        check(case, cuboid, line, right);
     }
 }
 
