@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use whitted::picture::to_rgb8;
 use whitted_cli::scene_file::read;
-use whitted_tests::comparison::{cause, options, render, steps};
+use whitted_tests::comparison::{cause, differences, options, render, steps};
 use whitted_tests::reference::{Options, Scene, TotalReflection, quantize};
 
 /// Every scene, and the least share of channels, in percent, that must lie within a step of 255 of
@@ -162,7 +162,7 @@ fn pictures_are_those_of_the_oracle() {
             continue;
         };
         let file = read(&path).unwrap();
-        let found = whitted_tests::comparison::differences(&file, 64, 64);
+        let found = differences(&file, 64, 64);
         for pixel in &found {
             assert!(
                 pixel.cause.is_some(),
@@ -173,6 +173,23 @@ fn pictures_are_those_of_the_oracle() {
             found.len() <= 64 * 64 / 100,
             "{name}: {} pixels differ",
             found.len()
+        );
+    }
+}
+
+#[test]
+fn the_standard_spheres_are_the_oracle_s() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/spheres.toml");
+    let found = differences(&read(&path).unwrap(), 640, 480);
+    assert!(
+        found.len() <= 10,
+        "{} of 307,200 pixels differ",
+        found.len()
+    );
+    for pixel in found {
+        assert!(
+            pixel.cause.is_some(),
+            "{pixel:?} is not explained by rounding"
         );
     }
 }
