@@ -111,10 +111,10 @@ case ${1:-all} in
   all)
     setup || [ $? = 77 ]
     say "building with $(say_compiler || true)"
-    cd "$root" && exec cargo test --release -p whitted-tests --test firmware -- --nocapture
+    cd "$root" && exec cargo test -p whitted-tests --test firmware -- --nocapture
     ;;
   setup) setup ;;
-  table) cd "$root" && exec cargo run --release -p whitted-tests --bin firmware -- table ;;
+  table) cd "$root" && exec cargo run -p whitted-tests --bin firmware -- table ;;
   compiler) say_compiler ;;
   build) shift; build "$@" ;;
   *) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 2 ;;

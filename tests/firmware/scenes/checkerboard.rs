@@ -1,0 +1,69 @@
+//! A floor of two materials: a geometry of its own, made outside `core`.
+
+use glam::Vec3;
+use whitted::math::{Math, Transmittance};
+use whitted::{Finish, Geometry, Object, Plane, Ray};
+
+/// A horizontal plane with square tiles of unit size, opaque.
+pub struct Checkerboard<'a, M> {
+    /// The plane, and the material of every other tile.
+    pub tiles: [Object<'a, Plane, M>; 1],
+    /// What the tiles between are made of.
+    pub others: &'a M,
+}
+
+/// Whether a point lies on one of the other tiles. Beyond 1024 units from the origin all are alike.
+fn is_other(point: Vec3) -> bool {
+    const TO_POSITIVE: f32 = 1024.0;
+    let (x, z) = (
+        (point.x + TO_POSITIVE) as u32,
+        (point.z + TO_POSITIVE) as u32,
+    );
+    (x ^ z) & 1 == 1
+}
+
+impl<M> Geometry for Checkerboard<'_, M> {
+    type Material = M;
+
+    #[inline(always)]
+    fn len(&self) -> usize {
+        1
+    }
+
+    #[inline(always)]
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
+        self.tiles.as_slice().nearest::<P>(ray, first)
+    }
+
+    #[inline(always)]
+    fn surface<P: Math>(
+        &self,
+        ray: &Ray,
+        t: f32,
+        object: usize,
+        first: usize,
+    ) -> Option<(Vec3, &M)> {
+        let (normal, material) = self.tiles.as_slice().surface::<P>(ray, t, object, first)?;
+        Some((
+            normal,
+            if is_other(ray.at(t)) {
+                self.others
+            } else {
+                material
+            },
+        ))
+    }
+
+    #[inline(always)]
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
+        self.tiles.as_slice().blocks::<P>(ray, first)
+    }
+
+    #[inline(always)]
+    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    where
+        M: Finish,
+    {
+        self.tiles.as_slice().absorbs::<P>(ray, first, light)
+    }
+}
