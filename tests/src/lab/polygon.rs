@@ -1,0 +1,213 @@
+//! The polygon's sweeps.
+
+use whitted::{Polygon, Ray, Vec3};
+use whitted_methods::polygon::{METHODS, Setup, ignores_normal};
+
+use super::line;
+use super::random::{Point, Random};
+use super::sweep::{Stage, Sweep};
+use crate::exact::polygon::Facing;
+use crate::exact::{self, Verdict};
+
+/// Ray and polygon.
+pub struct Polygons;
+
+/// A ray and an outline.
+pub struct Case {
+    ray: Ray,
+    vertices: Vec<Vec3>,
+    normal: Vec3,
+}
+
+/// A plane to draw on.
+struct Canvas {
+    center: Point,
+    x: Point,
+    y: Point,
+}
+
+impl Canvas {
+    fn new(random: &mut Random, offset: f64) -> Self {
+        let normal = random.direction();
+        let x = random.across(normal);
+        Self {
+            center: random.vector(2.0) + random.direction() * offset,
+            x,
+            y: normal.cross(x),
+        }
+    }
+
+    fn at(&self, x: f64, y: f64) -> Point {
+        self.center + self.x * x + self.y * y
+    }
+
+    /// Corners of radii 0.6 to 1 at even angles: with any radii from 0.9 on they are convex.
+    fn outline(&self, random: &mut Random, corners: usize, least: f64) -> Vec<Vec3> {
+        (0..corners)
+            .map(|i| {
+                let (sin, cos) = (std::f64::consts::TAU * i as f64 / corners as f64).sin_cos();
+                let radius = random.between(least, 1.0);
+                self.at(radius * cos, radius * sin).round()
+            })
+            .collect()
+    }
+
+    /// An outline seen from a distance, at a point given on the canvas, never at a flat angle.
+    fn seen(&self, random: &mut Random, vertices: Vec<Vec3>, aim: Point, distance: f64) -> Case {
+        let across = self.x.cross(self.y);
+        let direction = loop {
+            let direction = random.direction();
+            if direction.dot(across).abs() > 0.1 {
+                break direction;
+            }
+        };
+        let origin = aim - direction * distance;
+        Case {
+            ray: Ray::new(origin.round(), direction.unit()),
+            normal: newell(&vertices),
+            vertices,
+        }
+    }
+}
+
+/// The outline's unit normal, rounded once.
+fn newell(vertices: &[Vec3]) -> Vec3 {
+    let point = |i: usize| Point::new(vertices[i % vertices.len()]);
+    let sum = (0..vertices.len()).fold(Point([0.0; 3]), |sum, i| {
+        sum + (point(i) - point(0)).cross(point(i + 1) - point(0))
+    });
+    (sum * (1.0 / sum.dot(sum).sqrt())).round()
+}
+
+/// A point on the edge between two vertices, moved by up to `x`.
+fn near_edge(random: &mut Random, vertices: &[Vec3], x: f64) -> Point {
+    let i = random.below(vertices.len());
+    let (a, b) = (Point::new(vertices[i]), Point::new(vertices[(i + 1) % vertices.len()]));
+    a + (b - a) * random.unit() + random.vector(x)
+}
+
+fn distance(name: &'static str, corners: usize) -> Sweep<Case> {
+    let far = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
+    Sweep::new(name, "distance of the origin / size", &far, move |x, random| {
+        let canvas = Canvas::new(random, 0.0);
+        let vertices = canvas.outline(random, corners, 0.95);
+        let aim = canvas.at(random.between(-1.2, 1.2), random.between(-1.2, 1.2));
+        canvas.seen(random, vertices, aim, 2.0 * x)
+    })
+}
+
+impl Stage for Polygons {
+    const NAME: &'static str = "polygon";
+    type Case = Case;
+
+    fn sweeps() -> Vec<Sweep<Case>> {
+        let small = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
+        vec![
+            distance("distance, triangle", 3),
+            distance("distance, hexagon", 6),
+            distance("distance, decagon", 10),
+            Sweep::new("edge, hexagon", "distance from an edge / size", &small, |x, random| {
+                let canvas = Canvas::new(random, 0.0);
+                let vertices = canvas.outline(random, 6, 0.95);
+                let aim = near_edge(random, &vertices, x);
+                canvas.seen(random, vertices, aim, 10.0)
+            }),
+            Sweep::new("edge, concave", "distance from an edge / size", &small, |x, random| {
+                // A star: every second corner drawn in.
+                let canvas = Canvas::new(random, 0.0);
+                let mut vertices = canvas.outline(random, 10, 0.9);
+                for vertex in vertices.iter_mut().step_by(2) {
+                    let corner = Point::new(*vertex);
+                    *vertex = (corner + (canvas.center - corner) * 0.6).round();
+                }
+                let aim = near_edge(random, &vertices, x);
+                canvas.seen(random, vertices, aim, 10.0)
+            }),
+            Sweep::new("edge, warped", "distance from an edge / size", &small, |x, random| {
+                // Out of its plane by 1e-5 of its size, as files with few digits have it.
+                let canvas = Canvas::new(random, 0.0);
+                let mut vertices = canvas.outline(random, 4, 0.9);
+                for vertex in &mut vertices {
+                    *vertex = (Point::new(*vertex) + random.vector(1e-5)).round();
+                }
+                let aim = near_edge(random, &vertices, x);
+                canvas.seen(random, vertices, aim, 10.0)
+            }),
+            Sweep::new("sliver", "height / length of a triangle", &small, |x, random| {
+                let canvas = Canvas::new(random, 0.0);
+                let vertices = [(-1.0, 0.0), (1.0, 0.0), (random.signed(), x)];
+                let vertices = vertices.map(|(x, y)| canvas.at(x, y).round()).to_vec();
+                let aim = canvas.at(random.signed(), x * random.between(-0.2, 1.2));
+                canvas.seen(random, vertices, aim, 10.0)
+            }),
+            Sweep::new("grazing", "sine of the angle between ray and plane", &small, |x, random| {
+                let canvas = Canvas::new(random, 0.0);
+                let vertices = canvas.outline(random, 6, 0.95);
+                let aim = canvas.at(random.between(-1.2, 1.2), random.between(-1.2, 1.2));
+                let across = canvas.x.cross(canvas.y);
+                let direction = random.across(across) + across * (x * random.between(0.5, 1.0));
+                let origin = aim - direction * 10.0;
+                Case {
+                    ray: Ray::new(origin.round(), direction.unit()),
+                    normal: newell(&vertices),
+                    vertices,
+                }
+            }),
+            Sweep::new(
+                "world offset",
+                "distance of the scene from 0 / size",
+                &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
+                |x, random| {
+                    let canvas = Canvas::new(random, x);
+                    let vertices = canvas.outline(random, 6, 0.95);
+                    let aim = near_edge(random, &vertices, 0.3);
+                    canvas.seen(random, vertices, aim, 10.0)
+                },
+            ),
+            Sweep::new(
+                "scale",
+                "log2 of the size of everything",
+                &[-60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0],
+                |x, random| {
+                    let canvas = Canvas::new(random, 0.0);
+                    let vertices = canvas.outline(random, 6, 0.95);
+                    let aim = near_edge(random, &vertices, 0.3);
+                    let case = canvas.seen(random, vertices, aim, 10.0);
+                    let scale = x.exp2() as f32;
+                    Case {
+                        ray: Ray::new(case.ray.origin * scale, case.ray.direction),
+                        vertices: case.vertices.iter().map(|&v| v * scale).collect(),
+                        ..case
+                    }
+                },
+            ),
+        ]
+    }
+
+    fn methods() -> Vec<&'static str> {
+        METHODS.iter().map(|method| method.name).collect()
+    }
+
+    fn ask(case: &Case, judged: &mut dyn FnMut(usize, Verdict)) {
+        let ray = line(&case.ray);
+        let vertices: Vec<[f32; 3]> = case.vertices.iter().map(|v| v.to_array()).collect();
+        let stored = Facing::Normal(case.normal.to_array());
+        let by = |facing| (facing, exact::polygon::truth(&ray, &vertices, facing));
+        let (stored, vertex) = (by(stored), by(Facing::Vertices));
+        let setup = Setup::new(&case.ray);
+        let polygon = Polygon {
+            vertices: &case.vertices,
+            normal: case.normal,
+        };
+        for (i, method) in METHODS.iter().enumerate() {
+            let (facing, truth) = if ignores_normal(method.name) { vertex } else { stored };
+            let verdict = exact::judge(
+                &truth,
+                (method.run)(&case.ray, &setup, &polygon),
+                |t| exact::polygon::residual(&ray, &vertices, facing, t),
+                || exact::polygon::margins(&ray, &vertices, facing, truth.t.is_some()),
+            );
+            judged(i, verdict);
+        }
+    }
+}
