@@ -1,4 +1,5 @@
 //! Oracles, lab and benchmarks of whitted.
 
 pub mod comparison;
+pub mod embedded;
 pub mod reference;
