@@ -407,7 +407,7 @@ mod tests {
             ),
             (
                 shape("polygon]]\nvertices = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 1]]"),
-                Problem::Polygon(PolygonError::NotPlanar(0)),
+                Problem::Polygon(PolygonError::NotPlanar(1)),
             ),
             (
                 shape("triangle]]\nvertices = [[0, 0, 0], [1, 1, 1], [2, 2, 2]]"),

@@ -107,7 +107,15 @@ mod tests {
     fn every_kind_of_pixel_is_spread_to_channels() {
         use BitDepth::*;
         use ColorType::*;
-        let cases: [(&str, ColorType, BitDepth, &[u8], usize, &[u16]); 7] = [
+        type Case = (
+            &'static str,
+            ColorType,
+            BitDepth,
+            &'static [u8],
+            usize,
+            &'static [u16],
+        );
+        let cases: [Case; 7] = [
             (
                 "rgb",
                 Rgb,

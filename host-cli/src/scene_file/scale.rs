@@ -241,7 +241,7 @@ impl Shape {
             },
             Self::Patch { vertices, normals } => Self::Patch {
                 vertices: vertices.map(point),
-                normals: normals.map(|it| vector(it)),
+                normals: normals.map(vector),
             },
             Self::Box { min, max } => Self::Box {
                 min: point(min),
