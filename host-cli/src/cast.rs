@@ -360,9 +360,12 @@ mod tests {
 
     #[test]
     fn what_no_32_bit_float_can_tell_is_not_met() {
-        // The horizon at 3·2^149, and the far side of a direction too short.
-        assert_eq!(answer("0 0 3 1 -1.4e-45 0"), r#"{"hit":false}"#);
-        assert_eq!(answer("0 0 3 0 0 -1e-39"), r#"{"hit":false}"#);
+        // The horizon at 3·2^149, and the near side by a direction too short.
+        for ray in ["0 0 3 1 -1.4e-45 0", "0 0 3 0 0 -1e-39"] {
+            assert_eq!(answer(ray), r#"{"hit":false}"#, "{ray}");
+            let (answers, _) = answers(&file(0), Query::Occluded, ray.as_bytes());
+            assert_eq!(answers, [r#"{"occluded":false}"#], "{ray}");
+        }
         assert!(answer("0 0 3 0 0 -1e-38").contains("\"t\":2e+38"));
     }
 

@@ -1,9 +1,10 @@
 //! The `whitted` program from outside: what it prints, writes and returns.
 
 use std::fs;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
@@ -358,6 +359,43 @@ fn devices_are_written_as_they_are() {
     let output = place.run(&["render", "scene.nff", "-o", "/dev/stdout"]);
     assert!(output.stdout == place.render(&[]));
     assert_eq!(place.names(), ["scene.nff"]);
+
+    // What was written to a file before is kept, as a shell's >> asks for.
+    fs::write(place.path("log"), "before").unwrap();
+    let log = fs::File::options()
+        .append(true)
+        .open(place.path("log"))
+        .unwrap();
+    let mut command = place.command(&["render", "scene.nff", "-o", "/dev/stdout"]);
+    assert!(
+        command
+            .stdout(log)
+            .stderr(Stdio::null())
+            .status()
+            .unwrap()
+            .success()
+    );
+    let log = fs::read(place.path("log")).unwrap();
+    assert!(log.strip_prefix(b"before") == Some(&output.stdout));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_that_must_not_be_written_is_kept() {
+    use std::os::unix::fs::PermissionsExt;
+    let place = Place::new();
+    let path = place.path("kept.ppm");
+    fs::write(&path, "old").unwrap();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+    if fs::File::options().write(true).open(&path).is_ok() {
+        println!("skipped: nothing is forbidden to this user");
+        return;
+    }
+    let output = place.run(&["render", "scene.nff", "-o", "kept.ppm"]);
+    assert_eq!(code(&output), 2);
+    let message = "error: cannot write kept.ppm: Permission denied";
+    assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
+    assert_eq!(fs::read_to_string(path).unwrap(), "old");
 }
 
 #[cfg(unix)]
@@ -525,18 +563,22 @@ fn cast_answers_before_the_next_ray_is_known() {
         .spawn()
         .unwrap();
     let mut rays = child.stdin.take().unwrap();
-    let mut answers = BufReader::new(child.stdout.take().unwrap());
-    let mut answer = String::new();
-    for round in 1..=3 {
+    let answers = BufReader::new(child.stdout.take().unwrap());
+    let (sender, receiver) = mpsc::channel();
+    thread::spawn(move || answers.lines().try_for_each(|it| sender.send(it)));
+    // Without the answer the test would wait for ever.
+    let patience = Duration::from_secs(60);
+    for _ in 0..3 {
         rays.write_all(b"0 0 9 0 0 -1\n").unwrap();
         rays.flush().unwrap();
-        answers.read_line(&mut answer).unwrap();
-        assert_eq!(answer.lines().count(), round);
+        assert!(receiver.recv_timeout(patience).is_ok(), "no answer yet");
     }
     drop(rays);
-    answers.read_to_string(&mut answer).unwrap();
-    assert_eq!(answer.lines().count(), 3);
     assert!(child.wait().unwrap().success());
+    assert!(
+        receiver.recv_timeout(patience).is_err(),
+        "an answer too many"
+    );
 }
 
 #[test]
