@@ -28,6 +28,7 @@
 //! rounding of the point that is left. It is looked up and tested apart.
 
 use core::fmt;
+use core::ops::Range;
 
 use glam::Vec3;
 use heapless::Vec;
@@ -37,6 +38,9 @@ use crate::material::{Finish, Transmission};
 use crate::math::{self, Math, Transmittance};
 use crate::ray::{Departure, Ray, Side};
 use crate::shape::Shape;
+use crate::shape::cuboid::Cuboid;
+use crate::shape::frustum::Frustum;
+use crate::shape::sphere::Sphere;
 
 /// What a box is round: a node, or some objects next to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,12 +53,8 @@ impl Link {
     pub const END: u32 = 1 << 24;
     const LEAF: u32 = 1 << 31;
 
-    /// A node, by its place among the nodes.
-    ///
-    /// # Errors
-    ///
-    /// `None` where the place is not before [`END`](Self::END).
-    pub const fn node(place: u32) -> Option<Self> {
+    /// To a node, by its place among the nodes; `None` where that is not before [`END`](Self::END).
+    pub const fn to_node(place: u32) -> Option<Self> {
         if place < Self::END {
             Some(Self(place))
         } else {
@@ -62,12 +62,8 @@ impl Link {
         }
     }
 
-    /// `count` objects from the slot `first` on.
-    ///
-    /// # Errors
-    ///
-    /// `None` where they are none or more than [`MAX_COUNT`](Self::MAX_COUNT), or do not all lie before
-    /// [`END`](Self::END).
+    /// To `count` objects from the slot `first` on; `None` where they are none or more than
+    /// [`MAX_COUNT`](Self::MAX_COUNT), or do not all lie before [`END`](Self::END).
     pub const fn leaf(first: u32, count: u32) -> Option<Self> {
         if count > 0 && count <= Self::MAX_COUNT && first <= Self::END - count {
             Some(Self(Self::LEAF | count << 24 | first))
@@ -87,6 +83,24 @@ impl Link {
         self.0
     }
 
+    /// The slots of a leaf's objects.
+    pub const fn objects(self) -> Option<Range<usize>> {
+        if self.is_leaf() {
+            Some(self.first()..self.first() + self.count())
+        } else {
+            None
+        }
+    }
+
+    /// A node's place.
+    pub const fn node(self) -> Option<usize> {
+        if self.is_leaf() {
+            None
+        } else {
+            Some(self.first())
+        }
+    }
+
     #[inline(always)]
     const fn is_leaf(self) -> bool {
         self.0 >= Self::LEAF
@@ -104,20 +118,182 @@ impl Link {
     }
 }
 
-/// A box with its margin, and what is in it. 28 bytes.
+/// What is round some objects, and what leads on from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Child {
-    /// In world space.
-    pub center: Vec3,
-    /// From the center to the faces, and the slack times the greatest coordinate in the box.
-    pub half: Vec3,
-    /// What is in the box.
+pub struct Child<B> {
+    /// Round everything that the link leads to.
+    pub bound: B,
+    /// Where to go on where a ray meets the bound.
     pub link: Link,
 }
 
-/// Two boxes. 56 bytes; over n objects in leaves of k there are n/k - 1.
+/// Where two bounds lead to: 56 bytes with boxes, 40 with balls.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Node(pub [Child; 2]);
+pub struct Node<B>(pub [Child<B>; 2]);
+
+/// A box with faces across the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// In world space.
+    pub center: [f32; 3],
+    /// From the center to the faces, and the slack times the greatest coordinate in the box.
+    pub half: [f32; 3],
+}
+
+/// A ball, for shapes that are [`Solid`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// In world space.
+    pub center: Vec3,
+    /// With the slack times the greatest coordinate in the ball.
+    pub radius: f32,
+}
+
+/// A shape whose hits are reported where its surface is, up to rounding, and not only on the same ray:
+/// an outline seen edge-on is met at a distance that says little.
+pub trait Solid: Shape {}
+
+impl Solid for Sphere {}
+impl Solid for Cuboid {}
+impl Solid for Frustum {}
+
+/// What is put round objects of kind `S`.
+pub trait Bound<S> {
+    /// What all bounds need to know of a ray.
+    type Probe: Copy;
+
+    /// Prepares a ray. What a hit may lie off by is the slack, times the greatest coordinate of the
+    /// ray's origin, and what is in the bounds already.
+    fn probe(ray: &Ray, slack: f32) -> Self::Probe;
+
+    /// Distance before which nothing inside is met; `None` where nothing is met before `t_max`.
+    fn enter(&self, probe: &Self::Probe, t_max: f32) -> Option<f32>;
+}
+
+/// A ray that is tested against boxes.
+#[derive(Clone, Copy, Debug)]
+pub struct BoxProbe {
+    origin: Vec3,
+    direction: Vec3,
+    /// Of the direction's components.
+    magnitude: Vec3,
+    /// Of the tests across each axis.
+    margin: Vec3,
+    /// To which the ray is closest.
+    axis: Axis,
+    /// The origin's coordinate there, the ray's distance for each step along the axis, and its size.
+    start: f32,
+    rate: f32,
+    rate_size: f32,
+    /// Of distances along the axis.
+    margin_along: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+impl<S: Shape> Bound<S> for Aabb {
+    type Probe = BoxProbe;
+
+    #[inline]
+    fn probe(ray: &Ray, slack: f32) -> BoxProbe {
+        let (o, d) = (ray.origin, ray.direction);
+        let a = d.abs();
+        let (axis, start, speed) = if a.x > a.y && a.x > a.z {
+            (Axis::X, o.x, d.x)
+        } else if a.y > a.z {
+            (Axis::Y, o.y, d.y)
+        } else {
+            (Axis::Z, o.z, d.z)
+        };
+        let rate = 1.0 / speed;
+        let margin = slack * math::max_component(o.abs());
+        let across = Vec3::new(a.y + a.z, a.z + a.x, a.x + a.y);
+        BoxProbe {
+            origin: o,
+            direction: d,
+            magnitude: a,
+            // Products that leave the normal range round by more than a share of themselves.
+            margin: across * margin + Vec3::splat(f32::MIN_POSITIVE),
+            axis,
+            start,
+            rate,
+            rate_size: rate.abs(),
+            margin_along: margin,
+        }
+    }
+
+    /// The line is tested by separating axes: S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree",
+    /// SIGGRAPH 1996, for those that the box's edges and the line span. There is no division, so that
+    /// directions along an axis are like any other.
+    #[inline(always)]
+    fn enter(&self, probe: &BoxProbe, t_max: f32) -> Option<f32> {
+        let m = Vec3::from_array(self.center) - probe.origin;
+        let h = Vec3::from_array(self.half);
+        let (d, a, e) = (probe.direction, probe.magnitude, probe.margin);
+        // All of these are also false for NaN, with which nothing is met.
+        if !((m.y * d.z - m.z * d.y).abs() <= h.y * a.z + h.z * a.y + e.x) {
+            return None;
+        }
+        if !((m.z * d.x - m.x * d.z).abs() <= h.z * a.x + h.x * a.z + e.y) {
+            return None;
+        }
+        if !((m.x * d.y - m.y * d.x).abs() <= h.x * a.y + h.y * a.x + e.z) {
+            return None;
+        }
+        let middle = (self.center[probe.axis as usize] - probe.start) * probe.rate;
+        let reach = (self.half[probe.axis as usize] + probe.margin_along) * probe.rate_size;
+        let near = middle - reach;
+        if near <= t_max && middle + reach >= 0.0 {
+            Some(near)
+        } else {
+            None
+        }
+    }
+}
+
+/// A ray that is tested against balls.
+#[derive(Clone, Copy, Debug)]
+pub struct BallProbe {
+    origin: Vec3,
+    direction: Vec3,
+    margin: f32,
+}
+
+impl<S: Solid> Bound<S> for Ball {
+    type Probe = BallProbe;
+
+    #[inline]
+    fn probe(ray: &Ray, slack: f32) -> BallProbe {
+        BallProbe {
+            origin: ray.origin,
+            direction: ray.direction,
+            margin: slack * math::max_component(ray.origin.abs()),
+        }
+    }
+
+    #[inline(always)]
+    fn enter(&self, probe: &BallProbe, t_max: f32) -> Option<f32> {
+        let to_center = self.center - probe.origin;
+        let middle = to_center.dot(probe.direction);
+        let miss = to_center - probe.direction * middle;
+        let reach = self.radius + probe.margin;
+        // Also false for NaN, with which nothing is met.
+        if !(miss.length_squared() <= reach * reach) {
+            return None;
+        }
+        let near = middle - reach;
+        if near <= t_max && middle + reach >= 0.0 {
+            Some(near)
+        } else {
+            None
+        }
+    }
+}
 
 /// Why some arrays are not a [`Hierarchy`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,27 +338,27 @@ impl core::error::Error for HierarchyError {}
 /// Below about eight objects the slice itself is faster. By the [`Micro`](crate::Micro) policy hits
 /// lie off their surfaces by percents of a radius, and those off their boxes may be missed.
 #[derive(Debug, PartialEq)]
-pub struct Hierarchy<'a, S, M, const DEPTH: usize, I = u16> {
-    nodes: &'a [Node],
+pub struct Hierarchy<'a, S, M, B, const DEPTH: usize, I = u16> {
+    nodes: &'a [Node<B>],
     objects: &'a [Object<'a, S, M>],
     places: &'a [I],
     slots: &'a [I],
     slack: f32,
 }
 
-impl<S, M, const DEPTH: usize, I> Clone for Hierarchy<'_, S, M, DEPTH, I> {
+impl<S, M, B, const DEPTH: usize, I> Clone for Hierarchy<'_, S, M, B, DEPTH, I> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<S, M, const DEPTH: usize, I> Copy for Hierarchy<'_, S, M, DEPTH, I> {}
+impl<S, M, B, const DEPTH: usize, I> Copy for Hierarchy<'_, S, M, B, DEPTH, I> {}
 
 /// The slack that covers the rounding of the kernels in [`crate::shape`], cones of a slope of at most
 /// 1 included.
 pub const SLACK: f32 = 1.0 / (1 << 17) as f32;
 
-impl<'a, S, M, const DEPTH: usize, I> Hierarchy<'a, S, M, DEPTH, I> {
+impl<'a, S, M, B: Copy, const DEPTH: usize, I> Hierarchy<'a, S, M, B, DEPTH, I> {
     /// A hierarchy of arrays that a builder made; in a `static`, an error is one of the build.
     ///
     /// `objects` are in the order of the leaves. What counts objects by their places in the slice
@@ -197,7 +373,7 @@ impl<'a, S, M, const DEPTH: usize, I> Hierarchy<'a, S, M, DEPTH, I> {
     ///
     /// Where the arrays do not make a tree; see [`HierarchyError`].
     pub const fn new(
-        nodes: &'a [Node],
+        nodes: &'a [Node<B>],
         objects: &'a [Object<'a, S, M>],
         places: &'a [I],
         slots: &'a [I],
@@ -261,7 +437,7 @@ impl<'a, S, M, const DEPTH: usize, I> Hierarchy<'a, S, M, DEPTH, I> {
     }
 }
 
-impl<S, M, const DEPTH: usize, I: Copy + Into<usize>> Hierarchy<'_, S, M, DEPTH, I> {
+impl<S, M, B, const DEPTH: usize, I: Copy + Into<usize>> Hierarchy<'_, S, M, B, DEPTH, I> {
     /// The object at a place of the slice that was built over.
     #[inline]
     fn object(&self, place: usize) -> Option<&Object<'_, S, M>> {
@@ -296,121 +472,63 @@ impl<S, M, const DEPTH: usize, I: Copy + Into<usize>> Hierarchy<'_, S, M, DEPTH,
     }
 }
 
-/// A ray's way through the nodes: the leaves whose boxes it meets, the nearest of two first.
-struct Walk<const DEPTH: usize> {
-    /// Each node on the way leaves at most one box waiting, so `DEPTH` always suffices. With each, the
-    /// distance before which nothing in it is met.
-    waiting: Vec<(f32, Link), DEPTH>,
-    origin: Vec3,
-    direction: Vec3,
-    /// Of the direction's components.
-    magnitude: Vec3,
-    /// Margin of the tests across each axis.
-    margin: Vec3,
-    /// Takes an offset to how far the ray has to go for it along the axis to which it is most parallel.
-    rate: Vec3,
-    /// Margin of such distances.
-    margin_along: f32,
-}
+/// Bounds that a ray meets and has not yet looked into, each with the distance before which nothing in
+/// it is met. Each node on the way to an object leaves at most one, so `DEPTH` always suffices.
+type Waiting<const DEPTH: usize> = Vec<(f32, Link), DEPTH>;
 
-impl<const DEPTH: usize> Walk<DEPTH> {
-    #[inline]
-    fn new(ray: &Ray, slack: f32) -> Self {
-        let (o, d) = (ray.origin.abs(), ray.direction);
-        let magnitude = d.abs();
-        let rate = if magnitude.x > magnitude.y && magnitude.x > magnitude.z {
-            Vec3::new(1.0 / d.x, 0.0, 0.0)
-        } else if magnitude.y > magnitude.z {
-            Vec3::new(0.0, 1.0 / d.y, 0.0)
-        } else {
-            Vec3::new(0.0, 0.0, 1.0 / d.z)
-        };
-        let margin = slack * math::max_component(o);
-        let across = Vec3::new(
-            magnitude.y + magnitude.z,
-            magnitude.z + magnitude.x,
-            magnitude.x + magnitude.y,
-        );
-        let mut waiting = Vec::new();
-        let fits = waiting.push((0.0, Link(0))).is_ok();
-        debug_assert!(fits, "a hierarchy has at least one node");
-        Self {
-            waiting,
-            origin: ray.origin,
-            direction: d,
-            magnitude,
-            // Products that leave the normal range round by more than a share of themselves.
-            margin: across * margin + Vec3::splat(f32::MIN_POSITIVE),
-            rate,
-            // The fastest coordinate covers at least 1/√3 of the way.
-            margin_along: 2.0 * margin,
-        }
-    }
+const ROOT: Link = Link(0);
 
-    /// Distance before which nothing in the box is met; infinite where nothing in it is met at all.
-    ///
-    /// The line is tested against the box by separating axes: S. Gottschalk, M. C. Lin, D. Manocha,
-    /// "OBBTree", SIGGRAPH 1996, for the axes that the box's edges and the line span. No division, so
-    /// that directions along an axis are like any other.
-    #[inline(always)]
-    fn enters(&self, child: &Child, t_max: f32) -> f32 {
-        let (m, h) = (child.center - self.origin, child.half);
-        let (d, a) = (self.direction, self.magnitude);
-        // All of these are also false for NaN, with which nothing is hit.
-        let x = (m.y * d.z - m.z * d.y).abs() <= h.y * a.z + h.z * a.y + self.margin.x;
-        if !x {
-            return f32::INFINITY;
-        }
-        let y = (m.z * d.x - m.x * d.z).abs() <= h.z * a.x + h.x * a.z + self.margin.y;
-        if !y {
-            return f32::INFINITY;
-        }
-        let z = (m.x * d.y - m.y * d.x).abs() <= h.x * a.y + h.y * a.x + self.margin.z;
-        if !z {
-            return f32::INFINITY;
-        }
-        let middle = m.dot(self.rate);
-        let reach = h.dot(self.rate).abs() + self.margin_along;
-        let near = middle - reach;
-        if near <= t_max && middle + reach >= 0.0 {
-            near
-        } else {
-            f32::INFINITY
-        }
-    }
-
-    /// The next leaf in which something before `t_max` may be met.
-    #[inline]
-    fn next(&mut self, nodes: &[Node], t_max: f32) -> Option<Link> {
-        loop {
-            let (near, mut link) = self.waiting.pop()?;
-            // Something nearer may have been found since.
-            let mut near = if near <= t_max { near } else { f32::INFINITY };
-            // Nodes lie after those that lead to them.
-            while near < f32::INFINITY {
-                if link.is_leaf() {
-                    return Some(link);
+/// The next leaf in which something before `t_max` may be met: from `start`, or else from what waits;
+/// of two, the nearer first.
+#[inline]
+fn next_leaf<S, B: Bound<S>, const DEPTH: usize>(
+    nodes: &[Node<B>],
+    probe: &B::Probe,
+    waiting: &mut Waiting<DEPTH>,
+    mut start: Option<Link>,
+    t_max: f32,
+) -> Option<Link> {
+    // In registers, whatever is written to `waiting`.
+    let probe = *probe;
+    loop {
+        let mut link = match start.take() {
+            Some(link) => link,
+            None => {
+                let (near, link) = waiting.pop()?;
+                // Something nearer may have been found since.
+                if near > t_max {
+                    continue;
                 }
-                let Node([first, second]) = nodes.get(link.first())?;
-                let (first_near, second_near) =
-                    (self.enters(first, t_max), self.enters(second, t_max));
-                let far;
-                (near, link, far) = if first_near <= second_near {
-                    (first_near, first.link, (second_near, second.link))
-                } else {
-                    (second_near, second.link, (first_near, first.link))
-                };
-                if far.0 < f32::INFINITY {
-                    let fits = self.waiting.push(far).is_ok();
-                    debug_assert!(fits, "more than one box waits at a depth");
-                }
+                link
             }
+        };
+        // Nodes lie after those that lead to them: this ends.
+        loop {
+            if link.is_leaf() {
+                return Some(link);
+            }
+            let Node([a, b]) = nodes.get(link.first())?;
+            link = match (a.bound.enter(&probe, t_max), b.bound.enter(&probe, t_max)) {
+                (Some(a_near), Some(b_near)) => {
+                    let (near, far) = if a_near <= b_near {
+                        (a.link, (b_near, b.link))
+                    } else {
+                        (b.link, (a_near, a.link))
+                    };
+                    let fits = waiting.push(far).is_ok();
+                    debug_assert!(fits, "more than one bound waits at a depth");
+                    near
+                }
+                (Some(_), None) => a.link,
+                (None, Some(_)) => b.link,
+                (None, None) => break,
+            };
         }
     }
 }
 
-impl<S: Shape, M, const DEPTH: usize, I: Copy + Into<usize>> Geometry
-    for Hierarchy<'_, S, M, DEPTH, I>
+impl<S: Shape, M, B: Bound<S>, const DEPTH: usize, I: Copy + Into<usize>> Geometry
+    for Hierarchy<'_, S, M, B, DEPTH, I>
 {
     type Material = M;
 
@@ -431,8 +549,11 @@ impl<S: Shape, M, const DEPTH: usize, I: Copy + Into<usize>> Geometry
             nearest = Some((t, self.place(object)));
             ray.t_max = up_to(t);
         }
-        let mut walk = Walk::<DEPTH>::new(ray, self.slack);
-        while let Some(leaf) = walk.next(self.nodes, ray.t_max) {
+        let probe = B::probe(ray, self.slack);
+        let mut waiting = Waiting::<DEPTH>::new();
+        let mut start = Some(ROOT);
+        while let Some(leaf) = next_leaf(self.nodes, &probe, &mut waiting, start.take(), ray.t_max)
+        {
             for object in self.leaf(leaf) {
                 math::keep_rolled();
                 if is(left, object) {
@@ -477,8 +598,11 @@ impl<S: Shape, M, const DEPTH: usize, I: Copy + Into<usize>> Geometry
         {
             return true;
         }
-        let mut walk = Walk::<DEPTH>::new(ray, self.slack);
-        while let Some(leaf) = walk.next(self.nodes, ray.t_max) {
+        let probe = B::probe(ray, self.slack);
+        let mut waiting = Waiting::<DEPTH>::new();
+        let mut start = Some(ROOT);
+        while let Some(leaf) = next_leaf(self.nodes, &probe, &mut waiting, start.take(), ray.t_max)
+        {
             for object in self.leaf(leaf) {
                 math::keep_rolled();
                 if !is(left, object) && object.shape.intersect::<P>(ray, &setup, None).is_some() {
@@ -511,8 +635,11 @@ impl<S: Shape, M, const DEPTH: usize, I: Copy + Into<usize>> Geometry
         {
             return true;
         }
-        let mut walk = Walk::<DEPTH>::new(ray, self.slack);
-        while let Some(leaf) = walk.next(self.nodes, ray.t_max) {
+        let probe = B::probe(ray, self.slack);
+        let mut waiting = Waiting::<DEPTH>::new();
+        let mut start = Some(ROOT);
+        while let Some(leaf) = next_leaf(self.nodes, &probe, &mut waiting, start.take(), ray.t_max)
+        {
             for object in self.leaf(leaf) {
                 math::keep_rolled();
                 if !is(left, object) && crosses(object, None) {
