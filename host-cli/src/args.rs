@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::scene_file::limits;
 
-/// Renders, compares, casts into and inspects scenes.
+/// Renders, compares, casts into, inspects and bakes scenes.
 #[derive(Debug, Parser)]
 #[command(name = "whitted", version)]
 pub struct Arguments {
@@ -18,17 +18,15 @@ pub struct Arguments {
     pub command: Command,
 }
 
-/// What to do.
+/// What to do. Each command's documentation, which is its help, stands at its arguments.
 #[derive(Debug, Subcommand)]
+#[expect(missing_docs, reason = "it would take the place of that help")]
 pub enum Command {
-    /// See [`Render`].
     Render(Render),
-    /// See [`Compare`].
     Compare(Compare),
-    /// See [`Cast`].
     Cast(Cast),
-    /// See [`Inspect`].
     Inspect(Inspect),
+    Bake(Bake),
 }
 
 /// Render a scene to a picture
@@ -141,6 +139,30 @@ pub struct Inspect {
     /// Write JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// Write a scene as a Rust module for firmware
+///
+/// Everything in the module is a `static` or a constant, made of the types of the `whitted` crate that
+/// the scene needs and of no others: `SCENE`, `VIEW`, its camera and size, and `DEPTH`, how far light
+/// is to be followed. Firmware built from it shows the same bits as `whitted render`. OUT is
+/// replaced as a whole or stays as it is.
+#[derive(Debug, Args)]
+pub struct Bake {
+    /// Scene file, .nff or .toml
+    pub scene: PathBuf,
+
+    /// Rust file; `-` writes to standard output
+    #[arg(short, long, value_name = "OUT", default_value = "-")]
+    pub output: PathBuf,
+
+    /// Size of the picture in pixels [default: the scene's, or else 512x512]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+
+    /// Refuse a scene whose arrays take more bytes of flash; code is not counted
+    #[arg(long, value_name = "BYTES")]
+    pub max_flash: Option<usize>,
 }
 
 /// Width and height of a picture, in pixels.

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use crate::args::Command;
 
+mod bake;
 mod cast;
 mod compare;
 mod inspect;
@@ -41,6 +42,7 @@ pub fn run(command: &Command) -> anyhow::Result<Outcome> {
         Command::Compare(args) => compare::run(args),
         Command::Cast(args) => cast::run(args),
         Command::Inspect(args) => inspect::run(args),
+        Command::Bake(args) => bake::run(args),
     };
     match result {
         // Whoever reads has had enough.

@@ -34,21 +34,22 @@ use core::any::TypeId;
 use fearless_simd::x86::Avx512;
 use fearless_simd::{Level, Simd, dispatch};
 use whitted::math::Transmittance;
-use whitted::{Departure, Exact, Finish, Geometry, Math, Ray, Shape, Vec3};
+use whitted::{Exact, Finish, Geometry, Math, Ray, Vec3};
 
 pub use parts::{Kinds, Slice};
 
 use nodes::is_regular;
 use parts::Parts;
-use tree::{FLAT, Nearest, Tree};
+use tree::{FLAT, Nearest, Search, Tree};
 
 /// A geometry of every kind of object, built for speed.
 #[derive(Debug)]
 pub struct Wide<'a, M> {
     parts: Parts<'a, M>,
-    /// Places of objects that no block holds.
-    odd: Vec<u32>,
+    /// Places of objects that no block holds: planes, and those with odd numbers.
+    loose: Vec<u32>,
     tree: AnyTree,
+    search: Search,
     /// Whether the lanes take every ray.
     takes_any_ray: bool,
 }
@@ -61,9 +62,18 @@ enum AnyTree {
     Sixteen(Avx512, Tree<16>),
 }
 
-/// Evaluates `$call` with the tree and a token, compiled for the tree's instructions.
+/// Evaluates `$call` with the tree, a token and the way to search, compiled for them.
 macro_rules! with_tree {
-    ($wide:expr, |$tree:ident, $simd:ident| $call:expr) => {
+    ($wide:expr, |$tree:ident, $simd:ident, $search:ident| $call:expr) => {
+        match $wide.search {
+            Search::Spheres => with_tree!(Spheres, $wide, |$tree, $simd, $search| $call),
+            Search::Blocks => with_tree!(Blocks, $wide, |$tree, $simd, $search| $call),
+            Search::SolidBoxes => with_tree!(SolidBoxes, $wide, |$tree, $simd, $search| $call),
+            Search::Boxes => with_tree!(Boxes, $wide, |$tree, $simd, $search| $call),
+        }
+    };
+    ($kind:ident, $wide:expr, |$tree:ident, $simd:ident, $search:ident| $call:expr) => {{
+        const $search: u8 = Search::$kind as u8;
         match &$wide.tree {
             AnyTree::Eight(level, $tree) => dispatch!(*level, $simd => $call),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -75,7 +85,7 @@ macro_rules! with_tree {
                 )
             }
         }
-    };
+    }};
 }
 
 impl<'a, M: Finish> Wide<'a, M> {
@@ -96,11 +106,12 @@ impl<'a, M: Finish> Wide<'a, M> {
     fn with(kinds: Kinds<'a, M>, level: Level, flat: usize) -> Self {
         let parts = Parts::new(kinds);
         assert!(parts.len() < u32::MAX as usize, "too many objects");
-        let (items, odd) = blocks::items(&parts);
+        let (items, loose) = blocks::items(&parts);
         let tree = AnyTree::new(&parts, items, level, flat);
         Self {
             parts,
-            odd,
+            loose,
+            search: tree.search(),
             takes_any_ray: tree.takes_any_ray(),
             tree,
         }
@@ -119,6 +130,14 @@ impl AnyTree {
             return Self::Sixteen(token, Tree::new(parts, items, flat));
         }
         Self::Eight(level, Tree::new(parts, items, flat))
+    }
+
+    fn search(&self) -> Search {
+        match self {
+            Self::Eight(_, tree) => tree.search(),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Sixteen(_, tree) => tree.search(),
+        }
     }
 
     fn takes_any_ray(&self) -> bool {
@@ -157,24 +176,14 @@ impl<M> Wide<'_, M> {
         }
     }
 
-    /// The ray with its departure counted as the objects here are, and which object that is.
+    /// The object that a ray leaves, if it is one of these.
     #[inline(always)]
-    fn localized(&self, ray: &Ray, first: usize) -> (Ray, u32) {
+    fn left(&self, ray: &Ray, first: usize) -> u32 {
         match ray.departure {
-            None => (*ray, u32::MAX),
-            Some(departure) => {
-                let object = departure.object.wrapping_sub(first);
-                let left = if object < self.parts.len() {
-                    object as u32
-                } else {
-                    u32::MAX
-                };
-                let departure = Some(Departure {
-                    object,
-                    ..departure
-                });
-                (Ray { departure, ..*ray }, left)
+            Some(departure) if departure.object.wrapping_sub(first) < self.parts.len() => {
+                (departure.object - first) as u32
             }
+            _ => u32::MAX,
         }
     }
 
@@ -184,11 +193,11 @@ impl<M> Wide<'_, M> {
         TypeId::of::<P>() == TypeId::of::<Exact>() && (self.takes_any_ray || is_regular(ray))
     }
 
-    /// Objects that the lanes leave out: the one that the ray leaves, and those in no block.
+    /// Objects that the lanes leave out: those in no block, and the one that the ray leaves.
     #[inline(always)]
-    fn left_out(&self, left: u32) -> impl Iterator<Item = u32> {
+    fn apart(&self, left: u32) -> impl Iterator<Item = u32> {
         let left = (left != u32::MAX).then_some(left);
-        self.odd.iter().copied().chain(left)
+        left.into_iter().chain(self.loose.iter().copied())
     }
 }
 
@@ -204,21 +213,16 @@ impl<M: Finish> Geometry for Wide<'_, M> {
         if !self.takes::<P>(ray) {
             return self.parts.kinds.nearest::<P>(ray, first);
         }
-        let (local, left) = self.localized(ray, first);
-        let mut nearest = Nearest::before(&local);
-        for (place, plane) in self.parts.planes.places() {
-            if let Some(t) = plane.shape.intersect::<P>(&local, &(), local.leaves(place)) {
-                nearest.offer(t, place as u32);
-            }
-        }
-        for object in self.left_out(left) {
-            if let Some(t) = self.parts.intersect::<P>(&local, object as usize) {
+        let left = self.left(ray, first);
+        let mut nearest = Nearest::before(ray);
+        for object in self.apart(left) {
+            if let Some(t) = self.parts.intersect::<P>(ray, object as usize, first) {
                 nearest.offer(t, object);
             }
         }
-        with_tree!(self, |tree, simd| tree.nearest(
+        with_tree!(self, |tree, simd, SEARCH| tree.nearest::<_, SEARCH>(
             simd,
-            &local,
+            ray,
             left,
             &mut nearest
         ));
@@ -245,13 +249,11 @@ impl<M: Finish> Geometry for Wide<'_, M> {
         if !self.takes::<P>(ray) {
             return self.parts.kinds.blocks::<P>(ray, first);
         }
-        let (local, left) = self.localized(ray, first);
-        let planes = &self.parts.planes;
-        planes.objects.blocks::<P>(&local, planes.first)
-            || self
-                .left_out(left)
-                .any(|it| self.parts.intersect::<P>(&local, it as usize).is_some())
-            || with_tree!(self, |tree, simd| tree.blocks(simd, &local, left))
+        let left = self.left(ray, first);
+        self.apart(left)
+            .any(|it| self.parts.intersect::<P>(ray, it as usize, first).is_some())
+            || with_tree!(self, |tree, simd, SEARCH| tree
+                .blocks::<_, SEARCH>(simd, ray, left))
     }
 
     #[inline]
@@ -259,13 +261,11 @@ impl<M: Finish> Geometry for Wide<'_, M> {
         if !self.takes::<P>(ray) {
             return self.parts.kinds.absorbs::<P>(ray, first, light);
         }
-        let (local, left) = self.localized(ray, first);
-        let (parts, planes) = (&self.parts, &self.parts.planes);
-        planes.objects.absorbs::<P>(&local, planes.first, light)
-            || self
-                .left_out(left)
-                .any(|it| parts.absorbs::<P>(&local, it as usize, light))
-            || with_tree!(self, |tree, simd| tree
-                .absorbs::<_, _, P>(simd, parts, &local, left, light))
+        let left = self.left(ray, first);
+        let parts = &self.parts;
+        self.apart(left)
+            .any(|it| parts.absorbs::<P>(ray, it as usize, first, light))
+            || with_tree!(self, |tree, simd, SEARCH| tree
+                .absorbs::<_, _, P, SEARCH>(simd, parts, ray, left, first, light))
     }
 }

@@ -157,9 +157,9 @@ fn broken_nff_is_refused_or_cast() {
 
 #[test]
 fn broken_toml_is_refused_or_cast() {
-    let scenes_md = include_str!("../SCENES.md");
-    let start = scenes_md.find("```toml\n").unwrap() + 8;
-    let example = &scenes_md[start..start + scenes_md[start..].find("```").unwrap()];
+    let readme = include_str!("../../README.md");
+    let start = readme.find("```toml\n").unwrap() + 8;
+    let example = &readme[start..start + readme[start..].find("```").unwrap()];
     exercise_many(example, |it| toml::parse(Path::new("t.toml"), it), 2);
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
-use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 use whitted::{Counters, View};
 
 use super::Outcome;
@@ -20,7 +20,8 @@ use crate::scene_file::{self, SceneFile};
 /// The scene that is rendered when none is named.
 const BUILTIN: &str = include_str!("../../scenes/builtin.toml");
 
-const DEFAULT_SIZE: [u32; 2] = [512, 512];
+/// Of pictures of scenes that ask for none.
+pub(super) const DEFAULT_SIZE: [u32; 2] = [512, 512];
 
 pub(super) fn run(args: &args::Render) -> anyhow::Result<Outcome> {
     let format = match (Format::of(&args.output)?, args.ascii) {
@@ -83,7 +84,7 @@ pub(super) fn run(args: &args::Render) -> anyhow::Result<Outcome> {
     })?
     .with_context(cannot_write)?;
     let time = start.elapsed();
-    progress.finish();
+    progress.finish_and_clear();
     writer.finish().with_context(cannot_write)?;
     output.commit().with_context(cannot_write)?;
     let summary = summary(&view, band_height, time, &counters);
@@ -112,9 +113,7 @@ fn with_threads<T: Send>(
 fn progress_bar(rows: u32) -> ProgressBar {
     let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %, {eta} left")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(rows.into())
-        .with_style(style)
-        .with_finish(ProgressFinish::AndClear)
+    ProgressBar::new(rows.into()).with_style(style)
 }
 
 fn summary(view: &View, rows: u32, time: Duration, counters: &Counters) -> String {

@@ -1,4 +1,4 @@
-//! Scenes in TOML, for people to write. `SCENES.md` describes every field.
+//! Scenes in TOML, for people to write. The README describes every field.
 
 use std::collections::HashMap;
 use std::fmt;

@@ -2,16 +2,16 @@
 
 use fearless_simd::{Simd, SimdMask};
 use glam::Vec3;
-use whitted::{Finish, Ray};
+use whitted::Finish;
 
 use super::bounds;
 use super::build::Item;
 use super::cuboid::Cuboids;
 use super::frustum::Frusta;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Meeting};
 use super::outline::{Outline, Outlines};
 use super::parts::Parts;
-use super::rays::{Needs, RayLanes};
+use super::rays::{Needs, RayTerms};
 use super::sphere::Spheres;
 
 /// What the lanes of a block are.
@@ -108,8 +108,8 @@ impl<const N: usize> Blocks<N> {
     pub fn needs(&self) -> Needs {
         let outlines = self.outlines.blocks.len();
         Needs {
-            shear: self.triangles.blocks.len() + self.quads.blocks.len() + outlines > 0,
-            slabs: !self.cuboids.blocks.is_empty(),
+            turned: self.triangles.blocks.len() + self.quads.blocks.len() + outlines > 0,
+            reciprocal: !self.cuboids.blocks.is_empty(),
         }
     }
 
@@ -199,49 +199,56 @@ impl<const N: usize> Blocks<N> {
         }
     }
 
-    /// Casts a ray into a block, for points up to `limit`.
+    /// Casts a ray into a block, for points before `limit`.
     #[inline(always)]
     pub fn meet<S: Simd, V: Lanes<S>>(
         &self,
         simd: S,
         kind: Kind,
         index: usize,
-        ray: &Ray,
-        lanes: &RayLanes<V>,
+        terms: &RayTerms<'_>,
         limit: f32,
     ) -> Found<'_, V, N> {
-        let upto = V::simd_from(simd, limit);
         macro_rules! meet {
             ($shelf:ident, $block:ident => $meeting:expr) => {{
                 let $block = &self.$shelf.blocks[index];
-                let meeting = $meeting;
-                Found {
-                    t: meeting.t,
-                    lanes: meeting.met.to_bitmask() as u32,
-                    labels: &self.$shelf.labels[index],
-                }
+                Found::new($meeting, &self.$shelf.labels[index])
             }};
         }
         match kind {
-            Kind::Sphere => meet!(spheres, it => it.meet::<S, V, false>(simd, lanes, upto)),
+            Kind::Sphere => meet!(spheres, it => it.meet::<S, V, false>(simd, terms, limit)),
             Kind::HollowSphere => {
-                meet!(hollow_spheres, it => it.meet::<S, V, true>(simd, lanes, upto))
+                meet!(hollow_spheres, it => it.meet::<S, V, true>(simd, terms, limit))
             }
-            Kind::Triangle => meet!(triangles, it => it.meet(simd, lanes, upto)),
-            Kind::Quad => meet!(quads, it => it.meet(simd, lanes, upto)),
-            Kind::Cuboid => meet!(cuboids, it => it.meet(simd, lanes, upto)),
-            Kind::Frustum => meet!(frusta, it => it.meet::<S, V, false>(simd, lanes, upto)),
+            Kind::Triangle => meet!(triangles, it => it.meet(simd, terms, limit)),
+            Kind::Quad => meet!(quads, it => it.meet(simd, terms, limit)),
+            Kind::Cuboid => meet!(cuboids, it => it.meet(simd, terms, limit)),
+            Kind::Frustum => meet!(frusta, it => it.meet::<S, V, false>(simd, terms, limit)),
             Kind::HollowFrustum => {
-                meet!(hollow_frusta, it => it.meet::<S, V, true>(simd, lanes, upto))
+                meet!(hollow_frusta, it => it.meet::<S, V, true>(simd, terms, limit))
             }
             Kind::Outline => {
-                let t = self.outlines.blocks[index].meet::<S, V, N>(simd, ray, lanes, limit);
+                let t = self.outlines.blocks[index].meet::<S, V, N>(simd, terms, limit);
                 Found {
                     t: V::simd_from(simd, t.unwrap_or(0.0)),
                     lanes: u32::from(t.is_some()),
                     labels: &self.outlines.labels[index],
                 }
             }
+        }
+    }
+}
+
+impl<'a, V, const N: usize> Found<'a, V, N> {
+    #[inline(always)]
+    pub fn new<S: Simd>(meeting: Meeting<V, V::Mask>, labels: &'a Labels<N>) -> Self
+    where
+        V: Lanes<S>,
+    {
+        Self {
+            t: meeting.t,
+            lanes: meeting.met.to_bitmask() as u32,
+            labels,
         }
     }
 }
@@ -256,19 +263,22 @@ fn corners<M, const CORNERS: usize>(
     (corners, normal)
 }
 
-/// All objects that a tree can hold, and the places of those that it cannot: because a number of
-/// theirs is so large or so odd that nothing is known about where their kernels report hits.
+/// All objects that a tree can hold, and the places of those that it cannot: planes, and objects with
+/// a number so large or so odd that nothing is known about where their kernels report hits.
 pub fn items<M>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
-    let planes = parts.planes.objects.len();
-    let mut items = Vec::with_capacity(parts.len() - planes);
-    let mut odd = Vec::new();
+    let mut items = Vec::with_capacity(parts.len());
+    let mut loose: Vec<_> = parts
+        .planes
+        .places()
+        .map(|(place, _)| place as u32)
+        .collect();
     let mut add = |place: usize, kind, bounds| match bounds {
         Some(bounds) => items.push(Item {
             bounds,
             kind,
             object: place as u32,
         }),
-        None => odd.push(place as u32),
+        None => loose.push(place as u32),
     };
     for (place, object) in parts.spheres.places() {
         let sphere = &object.shape;
@@ -305,5 +315,5 @@ pub fn items<M>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
         };
         add(place, kind, bounds::of_frustum(frustum));
     }
-    (items, odd)
+    (items, loose)
 }

@@ -8,16 +8,17 @@
 //! - A sphere, a frustum and a box report a point within 7 u of the sum of the coordinates' sizes from
 //!   their surface; a frustum that gets wider by `slope` may overshoot its ends by a few u, and so its
 //!   radius by `slope` times as much.
-//! - An outline judges a ray by its shear: within 10 u, across the ray. But the distance is that of
-//!   the outline's plane, and its error grows as the plane turns edge-on to the ray: it is 4 u of the
-//!   coordinates over the cosine between ray and normal. The box is widened for cosines down to
-//!   about 1/100 of the ratio of the coordinates' size to the outline's.
+//! - An outline judges a ray's line by its shear: within 10 u, across the ray. The distance is that of
+//!   its plane, with an error of 4 u, and how far the vertices are off the plane, over the cosine
+//!   between ray and normal. Where that is below 1/8, the kernel keeps the distance between those at
+//!   which the ray is as deep as the vertices, along the axis to which it is closest: only there is
+//!   the point certain to lie within the box.
 
 use glam::{Vec3, Vec3A};
 use whitted::{Cuboid, Frustum, Sphere};
 
-/// 32 u of a coordinate: more than rounding moves a hit.
-pub const ROUNDING: f32 = 1.0 / (1 << 19) as f32;
+/// 128 u of a coordinate: more than rounding moves a hit.
+pub const ROUNDING: f32 = 1.0 / (1 << 17) as f32;
 
 /// Beyond this coordinates and their reciprocals' products may leave the range of `f32`.
 pub const FAR: f32 = (1_u64 << 60) as f32;
@@ -126,20 +127,15 @@ pub fn of_outline(vertices: &[Vec3], normal: Vec3) -> Option<Bounds> {
     let &point = vertices.first()?;
     let bounds = Bounds::of(vertices);
     let reach = bounds.reach();
-    let size = (bounds.max - bounds.min).max_element();
-    let rounding = ROUNDING * reach;
+    if !((normal.length_squared() - 1.0).abs() < ROUNDING) {
+        return None;
+    }
     // How far the vertices are off the plane that gives the distance.
     let height = vertices
         .iter()
         .map(|&vertex| normal.dot(vertex - point).abs())
         .fold(0.0, f32::max);
-    let flat = height <= size / (1 << 16) as f32 + rounding;
-    if !(flat && (normal.length_squared() - 1.0).abs() < ROUNDING) {
-        return None;
-    }
-    // An error of the distance moves a hit along the plane.
-    let slide = size / (1 << 9) as f32 + 16.0 * height;
-    bounds.widened(Vec3A::splat(rounding) + sine(normal.into()) * slide)
+    bounds.widened(Vec3A::splat(ROUNDING * reach + 8.0 * height))
 }
 
 /// At least the sines of the angles between a unit vector and the axes.

@@ -1,10 +1,12 @@
 //! Blocks of boxes.
 
+use core::ops::BitAnd;
+
 use fearless_simd::{Select, Simd, SimdMask};
 use whitted::Cuboid;
 
 use super::lanes::{Lanes, Meeting, nothing};
-use super::rays::{RayLanes, Way};
+use super::rays::RayTerms;
 
 /// `N` axis-aligned boxes.
 #[derive(Clone, Debug)]
@@ -27,34 +29,31 @@ impl<const N: usize> Cuboids<N> {
         Self { bounds }
     }
 
-    /// As `Cuboid::intersect`, for points up to `limit`. No reciprocal of the ray may be infinite
+    /// As `Cuboid::intersect`, for points before `limit`. No reciprocal of the ray may be infinite
     /// unless the ray goes across its axis.
     #[inline(always)]
     pub fn meet<S: Simd, V: Lanes<S>>(
         &self,
         simd: S,
-        ray: &RayLanes<V>,
-        limit: V,
+        terms: &RayTerms<'_>,
+        limit: f32,
     ) -> Meeting<V, V::Mask> {
         let zero = V::simd_from(simd, 0.0);
-        let mut entry = V::simd_from(simd, f32::NEG_INFINITY);
-        let mut exit = V::simd_from(simd, f32::INFINITY);
-        let mut between = V::Mask::splat(simd, true);
-        for (slab, [min, max]) in ray.slabs.iter().zip(&self.bounds) {
-            let to_min = V::from_slice(simd, min) - slab.origin;
-            let to_max = V::from_slice(simd, max) - slab.origin;
-            let (near, far) = match slab.way {
-                Way::Up => (to_min, to_max),
-                Way::Down => (to_max, to_min),
-                Way::Across => {
-                    between &= to_min.simd_le(zero) & to_max.simd_ge(zero);
-                    continue;
-                }
-            };
-            let (near, far) = (near * slab.reciprocal, far * slab.reciprocal);
-            entry = near.simd_gt(entry).select(near, entry);
-            exit = far.simd_lt(exit).select(far, exit);
-        }
+        let (o, d, r) = (terms.ray.origin, terms.ray.direction, terms.reciprocal);
+        let [x, y, z] = &self.bounds;
+        let mut inside = Inside::<V, V::Mask> {
+            entry: V::simd_from(simd, f32::NEG_INFINITY),
+            exit: V::simd_from(simd, f32::INFINITY),
+            between: V::Mask::splat(simd, true),
+        };
+        inside.cut(simd, x, o.x, d.x, r.x);
+        inside.cut(simd, y, o.y, d.y, r.y);
+        inside.cut(simd, z, o.z, d.z, r.z);
+        let Inside {
+            entry,
+            exit,
+            between,
+        } = inside;
         let met = between & entry.simd_le(exit);
         if !met.any_true() {
             return nothing(simd);
@@ -62,7 +61,48 @@ impl<const N: usize> Cuboids<N> {
         let t = entry.simd_gt(zero).select(entry, exit);
         Meeting {
             t,
-            met: met & t.simd_gt(zero) & t.simd_le(limit),
+            met: met & t.simd_gt(zero) & t.simd_lt(V::simd_from(simd, limit)),
         }
+    }
+}
+
+/// Where a ray is within boxes, as far as they have been looked at.
+struct Inside<V, M> {
+    entry: V,
+    exit: V,
+    /// Whether it is between those planes across which it does not go.
+    between: M,
+}
+
+impl<V, M> Inside<V, M> {
+    /// Looks at the planes across another axis.
+    #[inline(always)]
+    fn cut<S: Simd, const N: usize>(
+        &mut self,
+        simd: S,
+        [min, max]: &[[f32; N]; 2],
+        origin: f32,
+        direction: f32,
+        reciprocal: f32,
+    ) where
+        V: Lanes<S, Mask = M>,
+        M: Copy + BitAnd<Output = M> + Select<V>,
+    {
+        let origin = V::simd_from(simd, origin);
+        let to_min = V::from_slice(simd, min) - origin;
+        let to_max = V::from_slice(simd, max) - origin;
+        let (near, far) = if direction > 0.0 {
+            (to_min, to_max)
+        } else if direction < 0.0 {
+            (to_max, to_min)
+        } else {
+            let zero = V::simd_from(simd, 0.0);
+            self.between = self.between & to_min.simd_le(zero) & to_max.simd_ge(zero);
+            return;
+        };
+        let reciprocal = V::simd_from(simd, reciprocal);
+        let (near, far) = (near * reciprocal, far * reciprocal);
+        self.entry = near.simd_gt(self.entry).select(near, self.entry);
+        self.exit = far.simd_lt(self.exit).select(far, self.exit);
     }
 }

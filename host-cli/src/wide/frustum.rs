@@ -4,7 +4,7 @@ use fearless_simd::{Select, Simd, SimdMask};
 use whitted::Frustum;
 
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
-use super::rays::RayLanes;
+use super::rays::RayTerms;
 
 /// `N` frusta that are all visible from outside, or all from inside only.
 #[derive(Clone, Debug)]
@@ -39,25 +39,27 @@ impl<const N: usize> Frusta<N> {
         block
     }
 
-    /// As `Frustum::intersect`, for points up to `limit`.
+    /// As `Frustum::intersect`, for points before `limit`.
     #[inline(always)]
     pub fn meet<S: Simd, V: Lanes<S>, const HOLLOW: bool>(
         &self,
         simd: S,
-        ray: &RayLanes<V>,
-        limit: V,
+        terms: &RayTerms<'_>,
+        limit: f32,
     ) -> Meeting<V, V::Mask> {
-        let zero = V::simd_from(simd, 0.0);
-        let axis = Vectors::load(simd, &self.axis);
+        let (zero, limit) = (V::simd_from(simd, 0.0), V::simd_from(simd, limit));
+        let origin = Vectors::splat(simd, terms.ray.origin);
+        let direction = Vectors::splat(simd, terms.ray.direction);
+        let axis = Vectors::<V>::load(simd, &self.axis);
         let slope = V::from_slice(simd, &self.slope);
-        let to_base = Vectors::load(simd, &self.base) - ray.origin;
-        let approach = to_base.dot(ray.direction);
-        let from_base = ray.direction * approach - to_base;
+        let to_base = Vectors::load(simd, &self.base) - origin;
+        let approach = to_base.dot(direction);
+        let from_base = direction * approach - to_base;
         let along = from_base.dot(axis);
         let across = from_base - axis * along;
         let radius = V::from_slice(simd, &self.base_radius) + slope * along;
-        let along_rate = ray.direction.dot(axis);
-        let across_rate = ray.direction - axis * along_rate;
+        let along_rate = direction.dot(axis);
+        let across_rate = direction - axis * along_rate;
         let radius_rate = slope * along_rate;
         let growth = across_rate * radius - across * radius_rate;
         let twist = across.cross(across_rate);
@@ -75,20 +77,20 @@ impl<const N: usize> Frusta<N> {
         let (far, near) = (q / a, c / q);
         let (entry, exit) = (outgoing.select(far, near), outgoing.select(near, far));
         let length = V::from_slice(simd, &self.length);
-        let admitted = |t: V| {
-            let at = along + t * along_rate;
-            let t = approach + t;
-            let between_ends = at.simd_ge(zero) & at.simd_le(length);
-            (t, real & between_ends & t.simd_gt(zero) & t.simd_le(limit))
-        };
-        let (exit, exits) = admitted(exit);
+        let at = along + exit * along_rate;
+        let exit = approach + exit;
+        let between_ends = real & at.simd_ge(zero) & at.simd_le(length);
+        let exits = between_ends & exit.simd_gt(zero) & exit.simd_lt(limit);
         if HOLLOW {
             return Meeting {
                 t: exit,
                 met: exits,
             };
         }
-        let (entry, enters) = admitted(entry);
+        let at = along + entry * along_rate;
+        let entry = approach + entry;
+        let between_ends = real & at.simd_ge(zero) & at.simd_le(length);
+        let enters = between_ends & entry.simd_gt(zero) & entry.simd_lt(limit);
         let exits_first = exits & (!enters | exit.simd_lt(entry));
         Meeting {
             t: exits_first.select(exit, entry),

@@ -6,6 +6,7 @@ use whitted::Ray;
 use super::blocks::Kind;
 use super::bounds::{Bounds, FAR, ROUNDING};
 use super::lanes::Lanes;
+use super::rays::fastest;
 
 /// `N` boxes and what is in them: 28 bytes a child.
 #[derive(Clone, Debug)]
@@ -73,75 +74,110 @@ impl<const N: usize> Node<N> {
         self.children[lane] = child;
     }
 
-    /// Where the ray enters each box, and a bit for each box that it meets before `limit`.
+    /// A distance before which the ray meets nothing in each box, and a bit for each box in which it may
+    /// meet something up to `limit`.
+    ///
+    /// What is `SOLID` is met where its box is. An outline, of which the box is met, is only certain to
+    /// be at a distance at which the box is along the axis to which the ray is closest ([`bounds`]).
+    ///
+    /// [`bounds`]: super::bounds
     #[inline(always)]
-    pub fn meet<S: Simd, V: Lanes<S>>(&self, simd: S, ray: &NodeRay<V>, limit: V) -> (V, u32) {
-        let near = |axis: usize| {
-            V::from_slice(simd, &self.planes[axis][usize::from(ray.down[axis])])
-                .mul_sub(ray.reciprocal[axis], ray.near[axis])
+    pub fn meet<S: Simd, V: Lanes<S>, const SOLID: bool>(
+        &self,
+        simd: S,
+        terms: &NodeTerms,
+        limit: f32,
+    ) -> (V, u32) {
+        let [x, y, z] = &self.planes;
+        let (zero, limit) = (V::simd_from(simd, 0.0), V::simd_from(simd, limit));
+        let x: (V, V) = terms.x.meet(simd, x);
+        let y: (V, V) = terms.y.meet(simd, y);
+        let z: (V, V) = terms.z.meet(simd, z);
+        let entry = x.0.max(y.0).max(z.0);
+        let exit = x.1.min(y.1).min(z.1);
+        if SOLID {
+            let (entry, exit) = (entry.max(zero), exit.min(limit));
+            return (entry, entry.simd_le(exit).to_bitmask() as u32);
+        }
+        let (near, far) = match terms.axis {
+            0 => x,
+            1 => y,
+            _ => z,
         };
-        let far = |axis: usize| {
-            V::from_slice(simd, &self.planes[axis][usize::from(!ray.down[axis])])
-                .mul_sub(ray.reciprocal[axis], ray.far[axis])
-        };
-        let zero = V::simd_from(simd, 0.0);
-        let entry = larger(larger(near(0), near(1)), larger(near(2), zero));
-        let exit = smaller(smaller(far(0), far(1)), smaller(far(2), limit));
-        (entry, entry.simd_le(exit).to_bitmask() as u32)
+        let met = entry.simd_le(exit) & near.simd_le(limit) & far.simd_ge(zero);
+        (near, met.to_bitmask() as u32)
     }
 }
 
-#[inline(always)]
-fn larger<S: Simd, V: Lanes<S>>(a: V, b: V) -> V {
-    a.max(b)
+/// The terms with which a ray meets boxes.
+#[derive(Clone, Copy)]
+pub struct NodeTerms {
+    x: SlabTerms,
+    y: SlabTerms,
+    z: SlabTerms,
+    /// To which the ray is closest.
+    axis: usize,
 }
 
-#[inline(always)]
-fn smaller<S: Simd, V: Lanes<S>>(a: V, b: V) -> V {
-    a.min(b)
-}
-
-/// The terms with which a ray meets boxes: distances are `plane * reciprocal - near` and
+/// The terms for planes across an axis: distances are `plane * reciprocal - near` and
 /// `plane * reciprocal - far`, the latter two moved apart by what rounding may do to hits.
 #[derive(Clone, Copy)]
-pub struct NodeRay<V> {
-    down: [bool; 3],
-    reciprocal: [V; 3],
-    near: [V; 3],
-    far: [V; 3],
+struct SlabTerms {
+    down: bool,
+    reciprocal: f32,
+    near: f32,
+    far: f32,
 }
 
-impl<V: Copy> NodeRay<V> {
+impl NodeTerms {
     /// `slack` is how many coordinates of the origin hits may lie outside the boxes.
     #[inline(always)]
-    pub fn new<S: Simd>(simd: S, ray: &Ray, slack: f32) -> Self
-    where
-        V: Lanes<S>,
-    {
+    pub fn new(ray: &Ray, slack: f32) -> Self {
         let (o, d) = (ray.origin, ray.direction);
         let slack = slack * o.abs().max_element();
+        Self {
+            x: SlabTerms::new(o.x, d.x, slack),
+            y: SlabTerms::new(o.y, d.y, slack),
+            z: SlabTerms::new(o.z, d.z, slack),
+            axis: fastest(d),
+        }
+    }
+}
+
+impl SlabTerms {
+    #[inline(always)]
+    fn new(origin: f32, direction: f32, slack: f32) -> Self {
         // In a direction of which there is next to nothing, the ray stays between two planes or
         // outside of them, for all distances that occur.
-        const STEEPEST: f32 = FAR;
-        let reciprocal = [d.x, d.y, d.z].map(|x| {
-            if x.abs() < 1.0 / STEEPEST {
-                STEEPEST.copysign(x)
-            } else {
-                1.0 / x
-            }
-        });
-        let terms = |sign: f32| {
-            [0, 1, 2].map(|axis| {
-                let r: f32 = reciprocal[axis];
-                V::simd_from(simd, o[axis] * r + sign * slack * r.abs())
-            })
+        const FLATTEST: f32 = 1.0 / FAR;
+        let reciprocal = if direction.abs() < FLATTEST {
+            FAR.copysign(direction)
+        } else {
+            1.0 / direction
         };
+        let (start, moved) = (origin * reciprocal, reciprocal.abs() * slack);
         Self {
-            down: reciprocal.map(|r| r < 0.0),
-            reciprocal: reciprocal.map(|r| V::simd_from(simd, r)),
-            near: terms(1.0),
-            far: terms(-1.0),
+            down: reciprocal < 0.0,
+            reciprocal,
+            near: start + moved,
+            far: start - moved,
         }
+    }
+
+    /// Where the ray enters the space between planes, and where it leaves it.
+    #[inline(always)]
+    fn meet<S: Simd, V: Lanes<S>, const N: usize>(
+        &self,
+        simd: S,
+        planes: &[[f32; N]; 2],
+    ) -> (V, V) {
+        let near = V::from_slice(simd, &planes[usize::from(self.down)]);
+        let far = V::from_slice(simd, &planes[usize::from(!self.down)]);
+        let reciprocal = V::simd_from(simd, self.reciprocal);
+        (
+            near.mul_sub(reciprocal, V::simd_from(simd, self.near)),
+            far.mul_sub(reciprocal, V::simd_from(simd, self.far)),
+        )
     }
 }
 

@@ -3,12 +3,11 @@
 //! S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, for the
 //! shear; the parity of crossings as in `whitted::shape::polygon`.
 
-use fearless_simd::{Simd, SimdMask};
+use fearless_simd::{Select, Simd, SimdMask};
 use glam::Vec3;
-use whitted::Ray;
 
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
-use super::rays::RayLanes;
+use super::rays::RayTerms;
 
 /// `N` outlines of `CORNERS` vertices, filled even-odd.
 #[derive(Clone, Debug)]
@@ -35,21 +34,28 @@ impl<const CORNERS: usize, const N: usize> Outlines<CORNERS, N> {
         Self { corners }
     }
 
-    /// As `Polygon::intersect`, for points up to `limit`.
+    /// As `Polygon::intersect`, for points before `limit`.
     #[inline(always)]
     pub fn meet<S: Simd, V: Lanes<S>>(
         &self,
         simd: S,
-        ray: &RayLanes<V>,
-        limit: V,
+        terms: &RayTerms<'_>,
+        limit: f32,
     ) -> Meeting<V, V::Mask> {
         let zero = V::simd_from(simd, 0.0);
-        let sheared = self.corners.each_ref().map(|it| ray.shear.apply(simd, it));
-        let above = sheared.map(|[_, y]| y.simd_ge(zero));
+        let shear = Shear::<V>::new(simd, terms);
+        // The masks say what the compiler cannot see: that these are rows.
+        let [a, b, c] = terms.turned.axes;
+        let (a, b, c) = (a & 3, b & 3, c & 3);
         let mut inside = V::Mask::splat(simd, false);
-        for to in 0..CORNERS {
-            let from = (to + CORNERS - 1) % CORNERS;
-            inside ^= crosses(sheared[from], above[from], sheared[to], above[to]);
+        let last = &self.corners[CORNERS - 1];
+        let mut from = shear.apply(simd, &last[a], &last[b], &last[c]);
+        let mut from_is_above = from[1].simd_ge(zero);
+        for corner in &self.corners {
+            let to = shear.apply(simd, &corner[a], &corner[b], &corner[c]);
+            let to_is_above = to[1].simd_ge(zero);
+            inside ^= crosses(from, from_is_above, to, to_is_above);
+            (from, from_is_above) = (to, to_is_above);
         }
         if !inside.any_true() {
             return nothing(simd);
@@ -65,11 +71,82 @@ impl<const CORNERS: usize, const N: usize> Outlines<CORNERS, N> {
             y: V::from_slice(simd, y),
             z: V::from_slice(simd, z),
         };
-        let t = normal.dot(point - ray.origin) / normal.dot(ray.direction);
+        let origin = Vectors::splat(simd, terms.ray.origin);
+        let rate = normal.dot(Vectors::splat(simd, terms.ray.direction));
+        let mut t = normal.dot(point - origin) / rate;
+        let edge_on =
+            rate.simd_lt(V::simd_from(simd, EDGE_ON)) & rate.simd_gt(V::simd_from(simd, -EDGE_ON));
+        if (inside & edge_on).any_true() {
+            t = edge_on.select(self.clamped(simd, &shear, c, t), t);
+        }
         Meeting {
             t,
-            met: inside & t.simd_gt(zero) & t.simd_le(limit),
+            met: inside & t.simd_gt(zero) & t.simd_lt(V::simd_from(simd, limit)),
         }
+    }
+
+    /// `t`, between the distances at which the ray is as deep as the nearest and farthest corner.
+    #[inline(always)]
+    fn clamped<S: Simd, V: Lanes<S>>(&self, simd: S, shear: &Shear<V>, axis: usize, t: V) -> V {
+        let mut low = V::from_slice(simd, &self.corners[0][axis]);
+        let mut high = low;
+        for corner in &self.corners[1..] {
+            let depth = V::from_slice(simd, &corner[axis]);
+            low = low.min(depth);
+            high = high.max(depth);
+        }
+        // Subtraction and division are monotonic: what rounds to the least is the least.
+        let (start, speed) = (shear.origin.z, shear.direction.z);
+        let (low, high) = ((low - start) / speed, (high - start) / speed);
+        between(t, low.min(high), low.max(high))
+    }
+}
+
+/// Of cosines between a ray and a normal: below, the distance to a plane says little.
+const EDGE_ON: f32 = 0.125;
+
+/// `t` from `nearest` to `farthest`; NaN stays NaN.
+#[inline(always)]
+fn between<S: Simd, V: Lanes<S>>(t: V, nearest: V, farthest: V) -> V {
+    let t_or_less = t.simd_gt(farthest).select(farthest, t);
+    t.simd_lt(nearest).select(nearest, t_or_less)
+}
+
+/// The shear that turns a ray into an axis, as `whitted::shape::polygon::Shear`, without its
+/// multiplications by zero.
+struct Shear<V> {
+    /// The ray's, on the axes in order.
+    origin: Vectors<V>,
+    direction: Vectors<V>,
+}
+
+impl<V: Copy> Shear<V> {
+    #[inline(always)]
+    fn new<S: Simd>(simd: S, terms: &RayTerms<'_>) -> Self
+    where
+        V: Lanes<S>,
+    {
+        Self {
+            origin: Vectors::splat(simd, terms.turned.origin),
+            direction: Vectors::splat(simd, terms.turned.direction),
+        }
+    }
+
+    /// Where points go in the plane across the last axis, from a row for each axis.
+    #[inline(always)]
+    fn apply<S: Simd>(&self, simd: S, a: &[f32], b: &[f32], c: &[f32]) -> [V; 2]
+    where
+        V: Lanes<S>,
+    {
+        let x = V::from_slice(simd, a) - self.origin.x;
+        let y = V::from_slice(simd, b) - self.origin.y;
+        let z = V::from_slice(simd, c) - self.origin.z;
+        let Vectors {
+            x: dx,
+            y: dy,
+            z: dz,
+        } = self.direction;
+        [x * dz - z * dx, y * dz - z * dy]
     }
 }
 
@@ -95,6 +172,8 @@ pub struct Outline {
     normal: Vec3,
     /// The point through which its plane goes: the first vertex.
     point: Vec3,
+    /// For each axis the least and the greatest coordinate.
+    depths: [[f32; 2]; 3],
 }
 
 impl Outline {
@@ -109,6 +188,13 @@ impl Outline {
             row
         });
         Self {
+            depths: [0, 1, 2].map(|axis: usize| {
+                let coordinates = || vertices.iter().map(|it| it[axis]);
+                [
+                    coordinates().fold(f32::INFINITY, f32::min),
+                    coordinates().fold(f32::NEG_INFINITY, f32::max),
+                ]
+            }),
             rows,
             normal,
             point: vertices.first().copied().unwrap_or(Vec3::NAN),
@@ -123,32 +209,50 @@ impl Outline {
             .sum()
     }
 
-    /// As `Polygon::intersect`, for a point up to `limit`.
+    /// As `Polygon::intersect`, for a point before `limit`.
     #[inline(always)]
     pub fn meet<S: Simd, V: Lanes<S>, const N: usize>(
         &self,
         simd: S,
-        ray: &Ray,
-        lanes: &RayLanes<V>,
+        terms: &RayTerms<'_>,
         limit: f32,
     ) -> Option<f32> {
         let zero = V::simd_from(simd, 0.0);
-        let shear = &lanes.shear;
-        let rows = shear.axes.map(|axis| self.rows[axis].as_slice());
-        let apply = |at: usize| {
-            let [x, y, z] =
-                [0, 1, 2].map(|i| V::from_slice(simd, &rows[i][at..at + N]) - shear.origin[i]);
-            [x + z * shear.slope[0], y + z * shear.slope[1]]
-        };
+        let shear = Shear::<V>::new(simd, terms);
+        let (ray, [x, y, z]) = (terms.ray, terms.turned.axes);
+        let rows = (&self.rows[x], &self.rows[y], &self.rows[z]);
         let mut inside = V::Mask::splat(simd, false);
-        for at in (0..rows[0].len() - 1).step_by(N) {
-            let (from, to) = (apply(at), apply(at + 1));
+        for at in (0..rows.0.len() - 1).step_by(N) {
+            let (now, next) = (at..at + N, at + 1..at + 1 + N);
+            let from = shear.apply(
+                simd,
+                &rows.0[now.clone()],
+                &rows.1[now.clone()],
+                &rows.2[now],
+            );
+            let to = shear.apply(
+                simd,
+                &rows.0[next.clone()],
+                &rows.1[next.clone()],
+                &rows.2[next],
+            );
             inside ^= crosses(from, from[1].simd_ge(zero), to, to[1].simd_ge(zero));
         }
         if inside.to_bitmask().count_ones() % 2 == 0 {
             return None;
         }
-        let t = self.normal.dot(self.point - ray.origin) / self.normal.dot(ray.direction);
-        (t > 0.0 && t <= limit).then_some(t)
+        let rate = self.normal.dot(ray.direction);
+        let mut t = self.normal.dot(self.point - ray.origin) / rate;
+        if rate < EDGE_ON && rate > -EDGE_ON {
+            let (start, speed) = (terms.turned.origin.z, terms.turned.direction.z);
+            let ends = self.depths[z].map(|depth| (depth - start) / speed);
+            let [nearest, farthest] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+            if t < nearest {
+                t = nearest;
+            } else if t > farthest {
+                t = farthest;
+            }
+        }
+        (t > 0.0 && t < limit).then_some(t)
     }
 }

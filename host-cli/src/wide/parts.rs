@@ -169,20 +169,29 @@ impl<'a, M> Parts<'a, M> {
         true
     }
 
-    /// Where the ray, whose departure is counted as these objects are, meets one of them.
-    pub fn intersect<P: Math>(&self, ray: &Ray, object: usize) -> Option<f32> {
-        with_object!(self, object, |it| meet::<_, _, P>(it, ray, object));
+    /// Where the ray meets one of the objects; `first` is where they start in the geometry that the
+    /// ray's departure counts by.
+    pub fn intersect<P: Math>(&self, ray: &Ray, object: usize, first: usize) -> Option<f32> {
+        with_object!(self, object, |it| meet::<_, _, P>(it, ray, first + object));
         None
     }
 
-    /// Whether the ray, whose departure is counted as these objects are, meets one of them, and what
-    /// that leaves of the light: true where that is nothing.
-    pub fn absorbs<P: Math>(&self, ray: &Ray, object: usize, light: &mut Transmittance) -> bool
+    /// As [`Geometry::absorbs`] of one of the objects alone.
+    pub fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        object: usize,
+        first: usize,
+        light: &mut Transmittance,
+    ) -> bool
     where
         M: Finish,
     {
-        with_object!(self, object, |it| core::slice::from_ref(it)
-            .absorbs::<P>(ray, object, light));
+        with_object!(self, object, |it| core::slice::from_ref(it).absorbs::<P>(
+            ray,
+            first + object,
+            light
+        ));
         false
     }
 }

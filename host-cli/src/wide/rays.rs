@@ -1,152 +1,89 @@
 //! What a query computes of a ray once, before it meets the first object.
+//!
+//! These are scalars, spread over lanes where they are used: a load does that for nothing, where
+//! vectors that live through a whole query would have to be put aside.
+//!
+//! No closures and no combinators here and in the kernels: what handles vectors has to be inlined
+//! into a function that is compiled for their instructions, and only `#[inline(always)]` makes sure.
 
-use fearless_simd::Simd;
 use glam::Vec3;
 use whitted::Ray;
 
-use super::lanes::{Lanes, Vectors};
-
-/// A ray, the same in every lane.
+/// A ray and what kernels need to know of it.
 #[derive(Clone, Copy)]
-pub struct RayLanes<V> {
-    pub origin: Vectors<V>,
-    pub direction: Vectors<V>,
-    pub shear: Shear<V>,
-    pub slabs: [Slab<V>; 3],
+pub struct RayTerms<'a> {
+    pub ray: &'a Ray,
+    pub turned: Turned,
+    /// The reciprocals of the direction's components.
+    pub reciprocal: Vec3,
 }
 
-/// The shear that turns the ray into an axis, as `whitted::shape::polygon::Shear`, without its
-/// multiplications by one and by zero.
+/// A ray on other axes: the last is the one along which it goes fastest.
 #[derive(Clone, Copy)]
-pub struct Shear<V> {
-    /// The two axes that are sheared and the one, along which the ray goes fastest, that they are
-    /// sheared by.
+pub struct Turned {
+    /// Which ones.
     pub axes: [usize; 3],
-    /// The origin's coordinates on these axes.
-    pub origin: [V; 3],
-    /// How far each of the first two axes moves along the third.
-    pub slope: [V; 2],
+    pub origin: Vec3,
+    pub direction: Vec3,
 }
 
-/// How a ray crosses the space between two planes across an axis.
-#[derive(Clone, Copy)]
-pub struct Slab<V> {
-    pub way: Way,
-    pub origin: V,
-    pub reciprocal: V,
-}
-
-/// Along an axis.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Way {
-    Up,
-    Down,
-    /// Exactly across it.
-    Across,
-}
-
-/// Which of a [`RayLanes`]'s terms anything will ask for.
+/// Which terms anything will ask for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
-    pub shear: bool,
-    pub slabs: bool,
+    pub turned: bool,
+    pub reciprocal: bool,
 }
 
-impl<V: Copy> RayLanes<V> {
+impl<'a> RayTerms<'a> {
     #[inline(always)]
-    pub fn new<S: Simd>(simd: S, ray: &Ray, needs: Needs) -> Self
-    where
-        V: Lanes<S>,
-    {
-        let origin = Vectors::splat(simd, ray.origin);
-        let zero = V::simd_from(simd, 0.0);
+    pub fn new(ray: &'a Ray, needs: Needs) -> Self {
         Self {
-            origin,
-            direction: Vectors::splat(simd, ray.direction),
-            shear: if needs.shear {
-                Shear::new(simd, ray)
+            ray,
+            turned: if needs.turned {
+                Turned::new(ray)
             } else {
-                Shear {
+                Turned {
                     axes: [0; 3],
-                    origin: [zero; 3],
-                    slope: [zero; 2],
+                    origin: Vec3::ZERO,
+                    direction: Vec3::ZERO,
                 }
             },
-            slabs: if needs.slabs {
-                let reciprocal = ray.direction.recip();
-                [0, 1, 2].map(|axis| Slab {
-                    way: Way::of(ray.direction[axis]),
-                    origin: V::simd_from(simd, ray.origin[axis]),
-                    reciprocal: V::simd_from(simd, reciprocal[axis]),
-                })
+            reciprocal: if needs.reciprocal {
+                ray.direction.recip()
             } else {
-                [Slab {
-                    way: Way::Across,
-                    origin: zero,
-                    reciprocal: zero,
-                }; 3]
+                Vec3::ZERO
             },
         }
     }
 }
 
-impl Way {
+impl Turned {
     #[inline(always)]
-    fn of(x: f32) -> Self {
-        if x > 0.0 {
-            Self::Up
-        } else if x < 0.0 {
-            Self::Down
-        } else {
-            Self::Across
-        }
-    }
-}
-
-impl<V: Copy> Shear<V> {
-    #[inline(always)]
-    fn new<S: Simd>(simd: S, ray: &Ray) -> Self
-    where
-        V: Lanes<S>,
-    {
+    pub fn new(ray: &Ray) -> Self {
         let (o, d) = (ray.origin, ray.direction);
-        let (axes, o, d) = match steepest(d) {
-            0 => (
-                [1, 2, 0],
-                Vec3::new(o.y, o.z, o.x),
-                Vec3::new(d.y, d.z, d.x),
-            ),
-            1 => (
-                [0, 2, 1],
-                Vec3::new(o.x, o.z, o.y),
-                Vec3::new(d.x, d.z, d.y),
-            ),
-            _ => ([0, 1, 2], o, d),
-        };
-        Self {
-            axes,
-            origin: o.to_array().map(|x| V::simd_from(simd, x)),
-            slope: [-d.x / d.z, -d.y / d.z].map(|x| V::simd_from(simd, x)),
+        match fastest(d) {
+            0 => Self {
+                axes: [1, 2, 0],
+                origin: Vec3::new(o.y, o.z, o.x),
+                direction: Vec3::new(d.y, d.z, d.x),
+            },
+            1 => Self {
+                axes: [0, 2, 1],
+                origin: Vec3::new(o.x, o.z, o.y),
+                direction: Vec3::new(d.x, d.z, d.y),
+            },
+            _ => Self {
+                axes: [0, 1, 2],
+                origin: o,
+                direction: d,
+            },
         }
-    }
-
-    /// Where points go in the plane across the ray, from a row a coordinate.
-    #[inline(always)]
-    pub fn apply<S: Simd, const N: usize>(&self, simd: S, rows: &[[f32; N]; 4]) -> [V; 2]
-    where
-        V: Lanes<S>,
-    {
-        let [x, y, z] = [0, 1, 2].map(|i| {
-            // The mask says to the compiler what it cannot see: that this is one of the rows.
-            V::from_slice(simd, &rows[self.axes[i] & 3]) - self.origin[i]
-        });
-        [x + z * self.slope[0], y + z * self.slope[1]]
     }
 }
 
 /// The axis along which a direction goes furthest; of equal ones the last.
 #[inline(always)]
-fn steepest(direction: Vec3) -> usize {
+pub fn fastest(direction: Vec3) -> usize {
     let size = direction.abs();
     if size.x > size.y && size.x > size.z {
         0

@@ -4,7 +4,7 @@ use fearless_simd::{Select, Simd, SimdMask};
 use whitted::Sphere;
 
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
-use super::rays::RayLanes;
+use super::rays::RayTerms;
 
 /// `N` spheres that are all visible from outside, or all from inside only.
 #[derive(Clone, Debug)]
@@ -33,17 +33,19 @@ impl<const N: usize> Spheres<N> {
         block
     }
 
-    /// As `Sphere::intersect`, for points up to `limit`.
+    /// As `Sphere::intersect`, for points before `limit`.
     #[inline(always)]
     pub fn meet<S: Simd, V: Lanes<S>, const HOLLOW: bool>(
         &self,
         simd: S,
-        ray: &RayLanes<V>,
-        limit: V,
+        terms: &RayTerms<'_>,
+        limit: f32,
     ) -> Meeting<V, V::Mask> {
-        let to_center = Vectors::load(simd, &self.center) - ray.origin;
-        let approach = to_center.dot(ray.direction);
-        let miss = ray.direction * approach - to_center;
+        let origin = Vectors::splat(simd, terms.ray.origin);
+        let direction = Vectors::splat(simd, terms.ray.direction);
+        let to_center = Vectors::<V>::load(simd, &self.center) - origin;
+        let approach = to_center.dot(direction);
+        let miss = direction * approach - to_center;
         let square = V::from_slice(simd, &self.radius_squared) - miss.dot(miss);
         const SLACK: f32 = 1.0 / (1_u64 << 40) as f32;
         let near = square.simd_ge(approach * approach * -SLACK);
@@ -51,7 +53,7 @@ impl<const N: usize> Spheres<N> {
             return nothing(simd);
         }
         let zero = V::simd_from(simd, 0.0);
-        let along = miss.dot(ray.direction);
+        let along = miss.dot(direction);
         let half_chord_squared = square + along * along;
         let met = near & half_chord_squared.simd_ge(zero);
         let half_chord = half_chord_squared.sqrt();
@@ -65,7 +67,7 @@ impl<const N: usize> Spheres<N> {
         };
         Meeting {
             t,
-            met: met & t.simd_gt(zero) & t.simd_le(limit),
+            met: met & t.simd_gt(zero) & t.simd_lt(V::simd_from(simd, limit)),
         }
     }
 }

@@ -1,17 +1,17 @@
 //! A scene's blocks and the hierarchy over them; none where there are few.
 
-use fearless_simd::{Simd, f32x8, f32x16};
+use fearless_simd::{Simd, SimdBase, f32x8, f32x16};
 use heapless::Vec as Stack;
 use whitted::math::Transmittance;
 use whitted::{Finish, Math, Ray};
 
-use super::blocks::{Blocks, Found, Kind, Labels};
+use super::blocks::{Blocks, Found, Kind};
 use super::bounds::ROUNDING;
 use super::build::{Binary, Item, Method, binary, opened};
 use super::lanes::Lanes;
-use super::nodes::{Child, Content, Node, NodeRay};
+use super::nodes::{Child, Content, Node, NodeTerms};
 use super::parts::Parts;
-use super::rays::{Needs, RayLanes};
+use super::rays::{Needs, RayTerms};
 
 /// Up to so many objects, boxes cost more than they spare.
 pub const FLAT: usize = 64;
@@ -46,7 +46,7 @@ pub struct Tree<const N: usize> {
 /// The nearest hit so far.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest {
-    /// Its distance; before there is one, the greatest that the ray admits.
+    /// Its distance; before there is one, where the ray ends.
     pub t: f32,
     /// Its place in the geometry; before there is one, `u32::MAX`.
     pub object: u32,
@@ -57,12 +57,23 @@ impl Nearest {
     #[inline(always)]
     pub fn before(ray: &Ray) -> Self {
         Self {
-            t: ray.t_max.next_down(),
+            t: ray.t_max,
             object: u32::MAX,
         }
     }
 
-    /// Takes a hit that is nearer, or as near and earlier in the geometry.
+    /// Before which distance hits are of interest: one as near may be earlier in the geometry.
+    #[inline(always)]
+    pub fn limit(&self) -> f32 {
+        if self.object == u32::MAX {
+            self.t
+        } else {
+            // Of a finite number above zero, the next one.
+            f32::from_bits(self.t.to_bits() + 1)
+        }
+    }
+
+    /// Takes a hit before the limit that is nearer, or as near and earlier in the geometry.
     #[inline(always)]
     pub fn offer(&mut self, t: f32, object: u32) {
         if t < self.t || (t == self.t && object < self.object) {
@@ -136,166 +147,172 @@ impl<const N: usize> Tree<N> {
         true
     }
 
+    /// How to look for what a ray meets.
+    pub fn search(&self) -> Search {
+        let others = |kind: &Kind| *kind != Kind::Sphere && self.blocks.len(*kind) > 0;
+        if !self.nodes.is_empty() {
+            if self.needs.turned {
+                Search::Boxes
+            } else {
+                Search::SolidBoxes
+            }
+        } else if Kind::ALL.iter().any(others) {
+            Search::Blocks
+        } else {
+            Search::Spheres
+        }
+    }
+
     /// Whether every ray gets the kernels' own answer: there are no boxes, and no kernel of those
     /// whose lanes presuppose numbers of common size.
-    #[inline(always)]
     pub fn takes_any_ray(&self) -> bool {
         self.nodes.is_empty() && self.needs == Needs::default()
     }
 
-    /// Casts a ray; `left` is the object that it leaves, which is not met.
+    /// Calls `visit` with what each block finds that a ray meets before a limit, which is what `visit`
+    /// returned last, or to begin with `limit`; ends where it returns `None`, and then is true.
+    ///
+    /// `SEARCH` is [`Self::search`], `ORDERED` says whether the limit will fall.
     #[inline(always)]
-    pub fn nearest<S: Simd>(&self, simd: S, ray: &Ray, left: u32, nearest: &mut Nearest)
-    where
-        Self: Vector<S>,
-    {
-        self.nearest_by::<S, <Self as Vector<S>>::Lanes>(simd, ray, left, nearest);
-    }
-
-    #[inline(always)]
-    fn nearest_by<S: Simd, V: Lanes<S>>(
+    fn visit<S: Simd, const SEARCH: u8, const ORDERED: bool>(
         &self,
         simd: S,
         ray: &Ray,
-        left: u32,
-        nearest: &mut Nearest,
-    ) {
-        let lanes = RayLanes::<V>::new(simd, ray, self.needs);
-        if self.nodes.is_empty() {
-            for kind in Kind::ALL {
-                for index in 0..self.blocks.len(kind) {
-                    let found = self.blocks.meet(simd, kind, index, ray, &lanes, nearest.t);
-                    take(found, left, nearest);
+        mut limit: f32,
+        mut visit: impl Visit<S, <Self as Vector<S>>::Lanes, N>,
+    ) -> bool
+    where
+        Self: Vector<S>,
+    {
+        let terms = RayTerms::new(ray, self.needs);
+        let blocks = &self.blocks;
+        if SEARCH == Search::Spheres as u8 || SEARCH == Search::Blocks as u8 {
+            macro_rules! each {
+                ($shelf:ident, $block:ident => $meeting:expr) => {
+                    for ($block, labels) in blocks.$shelf.blocks.iter().zip(&blocks.$shelf.labels) {
+                        match visit.visit(Found::new($meeting, labels), limit) {
+                            Some(nearer) => limit = nearer,
+                            None => return true,
+                        }
+                    }
+                };
+            }
+            each!(spheres, it => it.meet::<S, _, false>(simd, &terms, limit));
+            if SEARCH == Search::Blocks as u8 {
+                each!(hollow_spheres, it => it.meet::<S, _, true>(simd, &terms, limit));
+                each!(triangles, it => it.meet(simd, &terms, limit));
+                each!(quads, it => it.meet(simd, &terms, limit));
+                each!(cuboids, it => it.meet(simd, &terms, limit));
+                each!(frusta, it => it.meet::<S, _, false>(simd, &terms, limit));
+                each!(hollow_frusta, it => it.meet::<S, _, true>(simd, &terms, limit));
+                for index in 0..blocks.outlines.blocks.len() {
+                    let found = blocks.meet(simd, Kind::Outline, index, &terms, limit);
+                    match visit.visit(found, limit) {
+                        Some(nearer) => limit = nearer,
+                        None => return true,
+                    }
                 }
             }
-            return;
+            return false;
         }
-        let terms = NodeRay::<V>::new(simd, ray, self.slack);
+        let boxes = NodeTerms::new(ray, self.slack);
         let mut waiting = Stack::<(f32, Child), WAITING>::new();
         let mut next = Child::node(0);
         loop {
             match next.content() {
                 Content::Node(index) => {
                     let node = &self.nodes[index];
-                    let limit = V::simd_from(simd, nearest.t);
-                    let (entry, mut met) = node.meet(simd, &terms, limit);
+                    let (entry, mut met): (<Self as Vector<S>>::Lanes, u32) =
+                        if SEARCH == Search::SolidBoxes as u8 {
+                            node.meet::<S, _, true>(simd, &boxes, limit)
+                        } else {
+                            node.meet::<S, _, false>(simd, &boxes, limit)
+                        };
                     if met != 0 {
                         if met & (met - 1) == 0 {
                             next = node.children[met.trailing_zeros() as usize % N];
                             continue;
                         }
                         let mut entries = [0.0; N];
-                        entry.store_slice(&mut entries);
+                        if ORDERED {
+                            entry.store_slice(&mut entries);
+                        }
                         let start = waiting.len();
                         while met != 0 {
                             let lane = met.trailing_zeros() as usize % N;
                             met &= met - 1;
-                            insert(&mut waiting, start, (entries[lane], node.children[lane]));
+                            let fits = waiting.push((entries[lane], node.children[lane])).is_ok();
+                            debug_assert!(fits, "the tree was built for fewer");
+                            if ORDERED {
+                                settle(&mut waiting, start);
+                            }
                         }
                     }
                 }
                 Content::Block(kind, index) => {
-                    let found = self.blocks.meet(simd, kind, index, ray, &lanes, nearest.t);
-                    take(found, left, nearest);
+                    let found = blocks.meet(simd, kind, index, &terms, limit);
+                    match visit.visit(found, limit) {
+                        Some(nearer) => limit = nearer,
+                        None => return true,
+                    }
                 }
             }
             next = loop {
                 match waiting.pop() {
-                    None => return,
-                    Some((entry, child)) if entry <= nearest.t => break child,
+                    None => return false,
+                    Some((entry, child)) if !ORDERED || entry <= limit => break child,
                     Some(_) => {}
                 }
             };
         }
     }
 
-    /// Calls `stop` with what each block finds that is met before `limit`, in no particular order,
-    /// until that is true; says whether it was.
+    /// Casts a ray; `left` is the object that it leaves, which is not met.
     #[inline(always)]
-    fn any<S: Simd, V: Lanes<S>>(
+    pub fn nearest<S: Simd, const SEARCH: u8>(
         &self,
         simd: S,
         ray: &Ray,
         left: u32,
-        mut stop: impl FnMut(u32, &Labels<N>) -> bool,
-    ) -> bool {
-        let lanes = RayLanes::<V>::new(simd, ray, self.needs);
-        let limit = ray.t_max.next_down();
-        let mut stops = |kind, index| {
-            let found = self.blocks.meet(simd, kind, index, ray, &lanes, limit);
-            let met = without(&found, left);
-            met != 0 && stop(met, found.labels)
-        };
-        if self.nodes.is_empty() {
-            return Kind::ALL
-                .into_iter()
-                .any(|kind| (0..self.blocks.len(kind)).any(|index| stops(kind, index)));
-        }
-        let terms = NodeRay::<V>::new(simd, ray, self.slack);
-        let limit = V::simd_from(simd, limit);
-        let mut waiting = Stack::<Child, WAITING>::new();
-        let mut next = Child::node(0);
-        loop {
-            match next.content() {
-                Content::Node(index) => {
-                    let node = &self.nodes[index];
-                    let (_, mut met) = node.meet(simd, &terms, limit);
-                    while met != 0 {
-                        let lane = met.trailing_zeros() as usize % N;
-                        met &= met - 1;
-                        let fits = waiting.push(node.children[lane]).is_ok();
-                        debug_assert!(fits, "the tree was built for fewer");
-                    }
-                }
-                Content::Block(kind, index) => {
-                    if stops(kind, index) {
-                        return true;
-                    }
-                }
-            }
-            match waiting.pop() {
-                None => return false,
-                Some(child) => next = child,
-            }
-        }
+        nearest: &mut Nearest,
+    ) where
+        Self: Vector<S>,
+    {
+        let limit = nearest.limit();
+        let visit = TakeNearest { left, nearest };
+        self.visit::<S, SEARCH, true>(simd, ray, limit, visit);
     }
 
     /// Whether the ray admits a point of any object but `left`.
     #[inline(always)]
-    pub fn blocks<S: Simd>(&self, simd: S, ray: &Ray, left: u32) -> bool
+    pub fn blocks<S: Simd, const SEARCH: u8>(&self, simd: S, ray: &Ray, left: u32) -> bool
     where
         Self: Vector<S>,
     {
-        self.any::<S, <Self as Vector<S>>::Lanes>(simd, ray, left, |_, _| true)
+        let visit = UntilAny { left };
+        self.visit::<S, SEARCH, false>(simd, ray, ray.t_max, visit)
     }
 
-    /// Takes from `light` what all objects but `left` take; true where that is all of it.
+    /// Takes from `light` what all objects but `left` take; true where that is all of it. `first` is
+    /// where the objects start in the geometry that the ray's departure counts by.
     #[inline(always)]
-    pub fn absorbs<S: Simd, M: Finish, P: Math>(
+    pub fn absorbs<S: Simd, M: Finish, P: Math, const SEARCH: u8>(
         &self,
         simd: S,
         parts: &Parts<'_, M>,
         ray: &Ray,
         left: u32,
+        first: usize,
         light: &mut Transmittance,
     ) -> bool
     where
         Self: Vector<S>,
     {
-        type Of<S, T> = <T as Vector<S>>::Lanes;
-        self.any::<S, Of<S, Self>>(simd, ray, left, |mut met, labels| {
-            if met & labels.opaque != 0 {
-                return true;
-            }
-            while met != 0 {
-                let lane = met.trailing_zeros() as usize % N;
-                met &= met - 1;
-                if parts.absorbs::<P>(ray, labels.objects[lane] as usize, light) {
-                    return true;
-                }
-            }
-            false
-        })
+        let visit = UntilDark {
+            left,
+            absorb: |object: u32| parts.absorbs::<P>(ray, object as usize, first, light),
+        };
+        self.visit::<S, SEARCH, false>(simd, ray, ray.t_max, visit)
     }
 
     /// Bytes of nodes and of blocks.
@@ -304,20 +321,87 @@ impl<const N: usize> Tree<N> {
     }
 }
 
-/// How many objects of a leaf the area heuristic is not asked about.
-const LEAF: usize = 8;
+/// How to look for what a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Search {
+    /// There are few objects, all spheres: all are tested.
+    Spheres,
+    /// There are few objects: all are tested.
+    Blocks,
+    /// There are boxes, and what is in them is met within them.
+    SolidBoxes,
+    /// There are boxes, round outlines too.
+    Boxes,
+}
 
-/// Keeps what waits from `start` on in order, the nearest last.
-#[inline(always)]
-fn insert(waiting: &mut Stack<(f32, Child), WAITING>, start: usize, entry: (f32, Child)) {
-    let fits = waiting.push(entry).is_ok();
-    debug_assert!(fits, "the tree was built for fewer");
-    let mut place = waiting.len() - 1;
-    while place > start && waiting[place - 1].0 < entry.0 {
-        waiting[place] = waiting[place - 1];
-        place -= 1;
+/// What is done with what a block finds.
+trait Visit<S: Simd, V: Lanes<S>, const N: usize> {
+    /// Up to which distance more is asked for; `None` ends the search.
+    fn visit(&mut self, found: Found<'_, V, N>, limit: f32) -> Option<f32>;
+}
+
+struct TakeNearest<'a> {
+    left: u32,
+    nearest: &'a mut Nearest,
+}
+
+impl<S: Simd, V: Lanes<S>, const N: usize> Visit<S, V, N> for TakeNearest<'_> {
+    #[inline(always)]
+    fn visit(&mut self, found: Found<'_, V, N>, limit: f32) -> Option<f32> {
+        let mut met = without(&found, self.left);
+        if met == 0 {
+            return Some(limit);
+        }
+        let mut t = [0.0; N];
+        found.t.store_slice(&mut t);
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % N;
+            met &= met - 1;
+            self.nearest.offer(t[lane], found.labels.objects[lane]);
+        }
+        Some(self.nearest.limit())
     }
-    waiting[place] = entry;
+}
+
+struct UntilAny {
+    left: u32,
+}
+
+impl<S: Simd, V: Lanes<S>, const N: usize> Visit<S, V, N> for UntilAny {
+    #[inline(always)]
+    fn visit(&mut self, found: Found<'_, V, N>, limit: f32) -> Option<f32> {
+        (without(&found, self.left) == 0).then_some(limit)
+    }
+}
+
+struct UntilDark<F> {
+    left: u32,
+    /// Takes what an object absorbs; true where that is all that was left.
+    absorb: F,
+}
+
+impl<S, V, F, const N: usize> Visit<S, V, N> for UntilDark<F>
+where
+    S: Simd,
+    V: Lanes<S>,
+    F: FnMut(u32) -> bool,
+{
+    #[inline(always)]
+    fn visit(&mut self, found: Found<'_, V, N>, limit: f32) -> Option<f32> {
+        let mut met = without(&found, self.left);
+        if met & found.labels.opaque != 0 {
+            return None;
+        }
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % N;
+            met &= met - 1;
+            if (self.absorb)(found.labels.objects[lane]) {
+                return None;
+            }
+        }
+        Some(limit)
+    }
 }
 
 /// The lanes that are met, without the object that the ray leaves.
@@ -332,22 +416,17 @@ fn without<V, const N: usize>(found: &Found<'_, V, N>, left: u32) -> u32 {
     met
 }
 
-/// Takes the nearest of the lanes that are met.
+/// How many objects of a leaf the area heuristic is not asked about.
+const LEAF: usize = 8;
+
+/// Moves what waits last to its place among what waits from `start` on: the nearest comes last.
 #[inline(always)]
-fn take<S: Simd, V: Lanes<S>, const N: usize>(
-    found: Found<'_, V, N>,
-    left: u32,
-    nearest: &mut Nearest,
-) {
-    let mut met = without(&found, left);
-    if met == 0 {
-        return;
+fn settle(waiting: &mut [(f32, Child)], start: usize) {
+    let mut place = waiting.len() - 1;
+    let last = waiting[place];
+    while place > start && waiting[place - 1].0 < last.0 {
+        waiting[place] = waiting[place - 1];
+        place -= 1;
     }
-    let mut t = [0.0; N];
-    found.t.store_slice(&mut t);
-    while met != 0 {
-        let lane = met.trailing_zeros() as usize % N;
-        met &= met - 1;
-        nearest.offer(t[lane], found.labels.objects[lane]);
-    }
+    waiting[place] = last;
 }

@@ -1,4 +1,4 @@
-//! The example in SCENES.md is a scene that works and names every field.
+//! The example of a scene file in the README is a scene that works and names every field.
 
 use std::path::Path;
 
@@ -6,12 +6,16 @@ use whitted_cli::inspect::inspect;
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::toml;
 
-const SCENES_MD: &str = include_str!("../SCENES.md");
+/// The README's section on scene files.
+fn section() -> &'static str {
+    const README: &str = include_str!("../../README.md");
+    &README[README.find("\n## Scene files\n").unwrap()..]
+}
 
 fn example() -> &'static str {
-    let start = SCENES_MD.find("```toml\n").unwrap() + "```toml\n".len();
-    let length = SCENES_MD[start..].find("```").unwrap();
-    &SCENES_MD[start..start + length]
+    let start = section().find("```toml\n").unwrap() + "```toml\n".len();
+    let length = section()[start..].find("```").unwrap();
+    &section()[start..start + length]
 }
 
 #[test]
@@ -25,7 +29,7 @@ fn the_example_renders_without_a_warning() {
 
 #[test]
 fn the_example_has_every_field_of_the_tables() {
-    let reference = &SCENES_MD[..SCENES_MD.find("## Example").unwrap()];
+    let reference = &section()[..section().find("### Example").unwrap()];
     let mut fields = 0;
     for row in reference.lines().filter(|it| it.starts_with("| ")) {
         // Field names stand in the first column, those of shapes in the second.
