@@ -160,13 +160,8 @@ impl Scene {
         (0..height)
             .into_par_iter()
             .flat_map_iter(|y| (0..width).map(move |x| (x, y)))
-            .map(|(x, y)| self.pixel(x, y, width, height, options))
+            .map(|(x, y)| self.seen(self.camera.center(x, y, width, height), options))
             .collect()
-    }
-
-    /// Linear RGB of the centre of one pixel.
-    pub fn pixel(&self, x: u32, y: u32, width: u32, height: u32, options: Options) -> DVec3 {
-        self.seen(self.camera.center(x, y, width, height), options)
     }
 
     /// Linear RGB that the eye sees in a direction of unit length.
@@ -237,14 +232,12 @@ impl Scene {
         if cosine.is_nan() || cosine <= 0.0 {
             return DVec3::ZERO;
         }
+        let shadow = Ray {
+            direction: to_light,
+            ..ray
+        };
         let passed = match light.shadows {
-            true => self.transmittance(
-                Ray {
-                    direction: to_light,
-                    ..ray
-                },
-                distance,
-            ),
+            true => self.transmittance(shadow, distance),
             false => 1.0,
         };
         let highlight = reflect(ray.direction, normal)
@@ -275,10 +268,8 @@ impl Scene {
         let mut passed = 1.0;
         self.hierarchy
             .visit(ray.origin, ray.direction, &mut |index| {
-                for _ in self
-                    .crossings(index, ray)
-                    .filter(|&t| 0.0 < t && t < distance)
-                {
+                let between = |t: &f64| 0.0 < *t && *t < distance;
+                for _ in self.crossings(index, ray).filter(between) {
                     passed *= self.objects[index].finish.transmittance;
                 }
                 if passed == 0.0 { 0.0 } else { distance }

@@ -53,6 +53,7 @@ pub const METHODS: &[PolygonMethod] = &[
     Method::new("fan, Woop", fan_woop),
     Method::new("sheared crossings", sheared),
     Method::new("sheared, lazy", sheared_lazy),
+    Method::new("sheared, plane first", sheared_plane_first),
     Method::new("f64 crossings", double),
 ];
 
@@ -340,48 +341,63 @@ pub fn sheared(ray: &Ray, setup: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
     if inside { plane(ray, polygon) } else { None }
 }
 
-/// The same; a loop for each axis, and x only for edges that cross the x axis.
+/// The same; a loop for each axis, x only for edges that cross the x axis, and sides told by the bits
+/// of signs.
 #[inline(never)]
 pub fn sheared_lazy(ray: &Ray, setup: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
-    #[inline(always)]
-    fn inside(
-        ray: &Ray,
-        shear: &Shear,
-        vertices: &[Vec3],
-        permute: impl Fn(Vec3) -> Vec3,
-    ) -> Option<bool> {
-        let origin = permute(ray.origin);
-        let y = |v: Vec3| {
-            let v = permute(v);
-            (v.y - origin.y) - shear.y * (v.z - origin.z)
-        };
-        let x = |v: Vec3| {
-            let v = permute(v);
-            (v.x - origin.x) - shear.x * (v.z - origin.z)
-        };
-        let mut a = *vertices.last()?;
-        let mut a_y = y(a);
-        let mut inside = false;
-        for &b in vertices {
-            let b_y = y(b);
-            if (a_y >= 0.0) != (b_y >= 0.0) {
-                inside ^= if a_y >= 0.0 {
-                    x(b) * a_y > x(a) * b_y
-                } else {
-                    x(a) * b_y > x(b) * a_y
-                };
-            }
-            (a, a_y) = (b, b_y);
-        }
-        Some(inside)
-    }
     let (shear, vertices) = (&setup.shear, polygon.vertices);
     let inside = match shear.axis {
-        Axis::X => inside(ray, shear, vertices, |v| permute(Axis::X, v)),
-        Axis::Y => inside(ray, shear, vertices, |v| permute(Axis::Y, v)),
-        Axis::Z => inside(ray, shear, vertices, |v| permute(Axis::Z, v)),
+        Axis::X => surrounds(ray, shear, vertices, |v| permute(Axis::X, v)),
+        Axis::Y => surrounds(ray, shear, vertices, |v| permute(Axis::Y, v)),
+        Axis::Z => surrounds(ray, shear, vertices, |v| permute(Axis::Z, v)),
     };
-    if inside? { plane(ray, polygon) } else { None }
+    if inside { plane(ray, polygon) } else { None }
+}
+
+/// The same; the plane's distance first.
+#[inline(never)]
+pub fn sheared_plane_first(ray: &Ray, setup: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
+    let t = plane(ray, polygon)?;
+    let (shear, vertices) = (&setup.shear, polygon.vertices);
+    let inside = match shear.axis {
+        Axis::X => surrounds(ray, shear, vertices, |v| permute(Axis::X, v)),
+        Axis::Y => surrounds(ray, shear, vertices, |v| permute(Axis::Y, v)),
+        Axis::Z => surrounds(ray, shear, vertices, |v| permute(Axis::Z, v)),
+    };
+    inside.then_some(t)
+}
+
+#[inline(always)]
+fn surrounds(ray: &Ray, shear: &Shear, vertices: &[Vec3], permute: impl Fn(Vec3) -> Vec3) -> bool {
+    let Some(&last) = vertices.last() else {
+        return false;
+    };
+    let origin = permute(ray.origin);
+    let y = |v: Vec3| {
+        let v = permute(v);
+        (v.y - origin.y) - shear.y * (v.z - origin.z)
+    };
+    let x = |v: Vec3| {
+        let v = permute(v);
+        (v.x - origin.x) - shear.x * (v.z - origin.z)
+    };
+    let mut inside = false;
+    let mut a = last;
+    let mut a_y = y(a);
+    for &b in vertices {
+        let b_y = y(b);
+        if ((a_y.to_bits() ^ b_y.to_bits()) as i32) < 0 {
+            // Looked at from the lower end: both owners of an edge compare the same products alike.
+            let (from_a, from_b) = (x(a) * b_y, x(b) * a_y);
+            inside ^= if a_y < 0.0 {
+                from_a > from_b
+            } else {
+                from_b > from_a
+            };
+        }
+        (a, a_y) = (b, b_y);
+    }
+    inside
 }
 
 /// The crossings in the plane's dominant projection, in `f64`.

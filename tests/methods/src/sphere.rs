@@ -289,8 +289,12 @@ pub fn double(ray: &Ray, sphere: &Sphere) -> Option<f32> {
 
 #[inline(always)]
 pub(crate) fn difference(a: Vec3, b: Vec3) -> [f64; 3] {
-    let (a, b) = (a.to_array(), b.to_array());
-    [0, 1, 2].map(|i| f64::from(a[i]) - f64::from(b[i]))
+    let wide = f64::from;
+    [
+        wide(a.x) - wide(b.x),
+        wide(a.y) - wide(b.y),
+        wide(a.z) - wide(b.z),
+    ]
 }
 
 #[inline(always)]

@@ -35,9 +35,17 @@ fn solve<N: Number>(ray: &Line, min: [f32; 3], max: [f32; 3]) -> Option<Truth> {
             }
             continue;
         }
-        let (near, far) = if d > 0.0 { (min[i], max[i]) } else { (max[i], min[i]) };
+        let (near, far) = if d > 0.0 {
+            (min[i], max[i])
+        } else {
+            (max[i], min[i])
+        };
         let to = |bound: f32| {
-            let way = if d > 0.0 { N::new(bound) - N::new(o) } else { N::new(o) - N::new(bound) };
+            let way = if d > 0.0 {
+                N::new(bound) - N::new(o)
+            } else {
+                N::new(o) - N::new(bound)
+            };
             Fraction {
                 numerator: way,
                 denominator: N::new(d.abs()),
@@ -75,7 +83,11 @@ fn offset(ray: &Line, axis: usize, t: f64, bound: f32, outward: f64) -> f64 {
     let bound = f64::from(bound);
     let scale = o.abs() + (t * d).abs() + bound.abs();
     let distance = outward * ((o - bound) + t * d);
-    if distance == 0.0 { 0.0 } else { distance / (U * scale) }
+    if distance == 0.0 {
+        0.0
+    } else {
+        distance / (U * scale)
+    }
 }
 
 /// Backward error of a distance, in u: of the six faces, the one furthest inward decides.
@@ -90,7 +102,13 @@ pub fn residual(ray: &Line, min: [f32; 3], max: [f32; 3], t: f64) -> f64 {
 pub fn margins(ray: &Line, min: [f32; 3], max: [f32; 3]) -> Margins {
     let o = ray.origin.map(f64::from);
     let d = ray.direction.map(f64::from);
-    let bounds = |i: usize| if d[i] >= 0.0 { (min[i], max[i]) } else { (max[i], min[i]) };
+    let bounds = |i: usize| {
+        if d[i] >= 0.0 {
+            (min[i], max[i])
+        } else {
+            (max[i], min[i])
+        }
+    };
     let way = |i: usize, bound: f32| f64::from(bound) - o[i];
     let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
     for i in (0..3).filter(|&i| d[i] != 0.0) {
@@ -102,7 +120,11 @@ pub fn margins(ray: &Line, min: [f32; 3], max: [f32; 3]) -> Margins {
     // axis, it passes the edge between the two planes on the right side.
     let (mut least, mut worst) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut passes = |distance: f64, scale: f64| {
-        let margin = if distance == 0.0 { 0.0 } else { distance / (U * scale) };
+        let margin = if distance == 0.0 {
+            0.0
+        } else {
+            distance / (U * scale)
+        };
         least = least.min(margin);
         worst = worst.max(-margin);
     };
@@ -129,11 +151,21 @@ pub fn margins(ray: &Line, min: [f32; 3], max: [f32; 3]) -> Margins {
     }
     let meets = least >= 0.0;
     let margin = residual(ray, min, max, 0.0);
-    let root = |t: f64| t.is_finite().then_some(Root { t, counts: t > 0.0, margin });
+    let root = |t: f64| {
+        t.is_finite().then_some(Root {
+            t,
+            counts: t > 0.0,
+            margin,
+        })
+    };
     Margins {
         line: if meets { least } else { worst },
         meets,
         // Where it misses, the one point that it might touch.
-        roots: if meets { [root(entry), root(exit)] } else { [root(0.5 * (entry + exit)), None] },
+        roots: if meets {
+            [root(entry), root(exit)]
+        } else {
+            [root(0.5 * (entry + exit)), None]
+        },
     }
 }

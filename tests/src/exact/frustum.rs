@@ -42,7 +42,9 @@ fn solve<N: Number>(ray: &Line, side: &Side) -> Option<Truth> {
     let a = across_rate.square() - radius_rate.clone() * radius_rate.clone();
     let b = across.dot(&across_rate) - radius.clone() * radius_rate.clone();
     let c = across.square() - radius.clone() * radius.clone();
-    let growth = across_rate.times(&radius).minus(&across.times(&radius_rate));
+    let growth = across_rate
+        .times(&radius)
+        .minus(&across.times(&radius_rate));
     let discriminant = growth.square() - across.cross(&across_rate).square();
     let root = match discriminant.sign()? {
         Ordering::Less => return Some(Truth::MISS),
@@ -50,7 +52,11 @@ fn solve<N: Number>(ray: &Line, side: &Side) -> Option<Truth> {
         Ordering::Greater => discriminant.sqrt(),
     };
     // -b and the root add in q.
-    let q = if b.sign()? == Ordering::Greater { -(b + root) } else { root - b };
+    let q = if b.sign()? == Ordering::Greater {
+        -(b + root)
+    } else {
+        root - b
+    };
     let mut nearest: Option<f64> = None;
     let mut either = false;
     for (numerator, denominator) in [(q.clone(), a), (c, q)] {
@@ -77,7 +83,10 @@ fn solve<N: Number>(ray: &Line, side: &Side) -> Option<Truth> {
             either = at_an_end;
         }
     }
-    Some(nearest.map_or(Truth::MISS, |t| Truth { either, ..Truth::hit(t) }))
+    Some(nearest.map_or(Truth::MISS, |t| Truth {
+        either,
+        ..Truth::hit(t)
+    }))
 }
 
 /// Distance from the double cone without ends at `t`, and by how much u of the inputs changes it.
@@ -91,7 +100,11 @@ fn offset(ray: &Line, side: &Side, t: f64) -> (f64, f64) {
     // Of both halves of the double cone, the one on whose side the point is.
     let sign = if radius + slope * s < 0.0 { -1.0 } else { 1.0 };
     let secant = (1.0 + slope * slope).sqrt();
-    let unit = if distance > 0.0 { across.map(|x| x / distance) } else { [0.0; 3] };
+    let unit = if distance > 0.0 {
+        across.map(|x| x / distance)
+    } else {
+        [0.0; 3]
+    };
     let normal = [0, 1, 2].map(|i| (unit[i] - sign * slope * axis[i]) / secant);
     let (o, d, base) = (wide(ray.origin), wide(ray.direction), wide(side.base));
     let reach: f64 = (0..3)
@@ -101,14 +114,20 @@ fn offset(ray: &Line, side: &Side, t: f64) -> (f64, f64) {
         })
         .sum();
     let offset = (distance - sign * (radius + slope * s)) / secant;
-    (offset, U * (reach + (radius.abs() + (slope * s).abs()) / secant))
+    (
+        offset,
+        U * (reach + (radius.abs() + (slope * s).abs()) / secant),
+    )
 }
 
 /// Backward error of a distance, in u: from the double cone, and from between the ends.
 pub fn residual(ray: &Line, side: &Side, t: f64) -> f64 {
     let (offset, scale) = offset(ray, side, t);
     let axis = wide(side.axis);
-    let at = dot(along(difference(ray.origin, side.base), wide(ray.direction), t), axis);
+    let at = dot(
+        along(difference(ray.origin, side.base), wide(ray.direction), t),
+        axis,
+    );
     let beyond = (-at).max(at - f64::from(side.length)).max(0.0);
     (offset.abs() / scale).max(beyond / end_scale(ray, side, t))
 }
@@ -170,6 +189,10 @@ pub fn margins(ray: &Line, side: &Side) -> Margins {
             offset.abs() / scale
         },
         meets,
-        roots: if meets { [root(q / a), root(c / q)] } else { [root(middle), None] },
+        roots: if meets {
+            [root(q / a), root(c / q)]
+        } else {
+            [root(middle), None]
+        },
     }
 }

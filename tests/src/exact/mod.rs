@@ -154,7 +154,10 @@ impl Margins {
     /// What has to change for a miss to be right: all roots that count have to go, or the line.
     fn false_miss(&self) -> f64 {
         let roots = self.roots.iter().flatten().filter(|root| root.counts);
-        roots.map(|root| root.margin).fold(0.0, f64::max).min(self.line)
+        roots
+            .map(|root| root.margin)
+            .fold(0.0, f64::max)
+            .min(self.line)
     }
 
     /// What has to change for a hit at `answer`, `off` the surface, to be right. `hit` is whether there
@@ -209,7 +212,9 @@ fn along(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
 /// `Σ |n_i| (|o_i| + |t d_i| + |c_i|)`, by how much of themselves the inputs move a point along `n`.
 fn reach(normal: [f64; 3], ray: &Line, t: f64, anchor: [f32; 3]) -> f64 {
     let (o, d, c) = (wide(ray.origin), wide(ray.direction), wide(anchor));
-    (0..3).map(|i| normal[i].abs() * (o[i].abs() + (t * d[i]).abs() + c[i].abs())).sum()
+    (0..3)
+        .map(|i| normal[i].abs() * (o[i].abs() + (t * d[i]).abs() + c[i].abs()))
+        .sum()
 }
 
 /// The first arithmetic that decides.

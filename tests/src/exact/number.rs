@@ -146,10 +146,7 @@ impl Number for Bounded {
 
     fn vanishes(&self, _: &Self) -> Option<bool> {
         // What is certainly not zero in f64 does not vanish to 256 bits either.
-        match self.sign() {
-            None => None,
-            Some(sign) => Some(sign == Ordering::Equal),
-        }
+        self.sign().map(|sign| sign == Ordering::Equal)
     }
 }
 

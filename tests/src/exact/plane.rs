@@ -24,7 +24,10 @@ pub(super) fn solve<N: Number>(ray: &Line, point: [f32; 3], normal: [f32; 3]) ->
 /// Backward error of a distance, in u.
 pub fn residual(ray: &Line, point: [f32; 3], normal: [f32; 3], t: f64) -> f64 {
     let normal = wide(normal);
-    let height = dot(normal, along(difference(ray.origin, point), wide(ray.direction), t));
+    let height = dot(
+        normal,
+        along(difference(ray.origin, point), wide(ray.direction), t),
+    );
     height.abs() / (U * reach(normal, ray, t, point))
 }
 

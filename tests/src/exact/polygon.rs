@@ -4,15 +4,18 @@
 use std::cmp::Ordering;
 
 use super::number::{Number, Vector};
-use super::{Line, Margins, Root, Truth, U, cross, difference, dot, first_sure, plane, reach, wide};
+use super::{
+    Line, Margins, Root, Truth, U, cross, difference, dot, first_sure, plane, reach, wide,
+};
 
 /// The plane that gives a polygon's distance.
 #[derive(Clone, Copy, Debug)]
 pub enum Facing {
     /// Through the first vertex, across this vector, taken as it is.
     Normal([f32; 3]),
-    /// Through the first three vertices.
-    Vertices,
+    /// Through the vertices themselves, in triangles from the first: where they are not flat, any of
+    /// these.
+    Fan,
 }
 
 /// The point of the polygon in front of the origin. Exactly on the outline a hit and a miss are both
@@ -23,7 +26,11 @@ pub fn truth(ray: &Line, vertices: &[[f32; 3]], facing: Facing) -> Truth {
         let t = distance(ray, vertices, facing).t;
         return Truth { t, either: true };
     };
-    if inside { distance(ray, vertices, facing) } else { Truth::MISS }
+    if inside {
+        distance(ray, vertices, facing)
+    } else {
+        Truth::MISS
+    }
 }
 
 /// Whether the outline goes round the ray; `Some(None)` where the ray passes through it, `None` where
@@ -68,7 +75,7 @@ fn surrounds<N: Number>(ray: &Line, vertices: &[[f32; 3]]) -> Option<Option<bool
 fn distance(ray: &Line, vertices: &[[f32; 3]], facing: Facing) -> Truth {
     match facing {
         Facing::Normal(normal) => plane::truth(ray, vertices[0], normal),
-        Facing::Vertices => first_sure!(by_vertices(ray, vertices)),
+        Facing::Fan => first_sure!(by_vertices(ray, vertices)),
     }
 }
 
@@ -84,23 +91,28 @@ fn by_vertices<N: Number>(ray: &Line, vertices: &[[f32; 3]]) -> Option<Truth> {
     Some(Truth::hit(height.over(rate).value()?))
 }
 
-fn normal(vertices: &[[f32; 3]], facing: Facing) -> [f64; 3] {
+/// The planes that a distance may be of, by their unit normals through the first vertex.
+fn normals(vertices: &[[f32; 3]], facing: Facing) -> Vec<[f64; 3]> {
+    let triangle = |ends: &[[f32; 3]]| {
+        let to = |i: usize| difference(ends[i], vertices[0]);
+        let normal = cross(to(0), to(1));
+        let length = dot(normal, normal).sqrt();
+        normal.map(|x| x / length)
+    };
     match facing {
-        Facing::Normal(normal) => wide(normal),
-        Facing::Vertices => {
-            let to = |i: usize| difference(vertices[i], vertices[0]);
-            let normal = cross(to(1), to(2));
-            let length = dot(normal, normal).sqrt();
-            normal.map(|x| x / length)
-        }
+        Facing::Normal(normal) => vec![wide(normal)],
+        Facing::Fan => vertices[1..].windows(2).map(triangle).collect(),
     }
 }
 
 /// Backward error of a distance, in u.
 pub fn residual(ray: &Line, vertices: &[[f32; 3]], facing: Facing, t: f64) -> f64 {
-    let normal = normal(vertices, facing);
     let point = super::along(difference(ray.origin, vertices[0]), wide(ray.direction), t);
-    dot(normal, point).abs() / (U * reach(normal, ray, t, vertices[0]))
+    let of = |normal: [f64; 3]| dot(normal, point).abs() / (U * reach(normal, ray, t, vertices[0]));
+    normals(vertices, facing)
+        .into_iter()
+        .map(of)
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// How far the ray is from meeting the polygon otherwise. `inside` is whether it does.
@@ -131,18 +143,29 @@ pub fn margins(ray: &Line, vertices: &[[f32; 3]], facing: Facing, inside: bool) 
                 let to = difference(anchor, o);
                 let t = dot(to, d) / square;
                 let miss = super::along(to, d, -t);
-                (miss.map(|x| if way > 0.0 { x / way } else { 0.5 }), anchor, t)
+                (
+                    miss.map(|x| if way > 0.0 { x / way } else { 0.5 }),
+                    anchor,
+                    t,
+                )
             }
         };
         let margin = way / (U * reach(normal, ray, t, anchor));
         line = line.min(if way == 0.0 { 0.0 } else { margin });
     }
-    let normal = normal(vertices, facing);
+    let normal = normals(vertices, facing)[0];
     let t = dot(normal, difference(vertices[0], o)) / dot(normal, d);
     let margin = residual(ray, vertices, facing, 0.0);
     Margins {
         line,
         meets: inside,
-        roots: [Some(Root { t, counts: t > 0.0, margin }), None],
+        roots: [
+            Some(Root {
+                t,
+                counts: t > 0.0,
+                margin,
+            }),
+            None,
+        ],
     }
 }

@@ -26,7 +26,11 @@ fn solve<N: Number>(ray: &Line, center: [f32; 3], radius: f32) -> Option<Truth> 
     if sign == Ordering::Less || a.sign()? == Ordering::Equal {
         return Some(Truth::MISS);
     }
-    let root = if sign == Ordering::Equal { N::new(0.0) } else { discriminant.sqrt() };
+    let root = if sign == Ordering::Equal {
+        N::new(0.0)
+    } else {
+        discriminant.sqrt()
+    };
     // In all that follows root and b add, and do not cancel.
     let t = match (c.sign()?, ahead) {
         (Ordering::Greater, true) => c.over(b + root),
@@ -58,7 +62,13 @@ pub fn margins(ray: &Line, center: [f32; 3], radius: f32) -> Margins {
     let half_chord = (half_chord_squared.max(0.0) / a).sqrt();
     // A root counts no more, or again, when the origin is on the sphere.
     let margin = residual(ray, center, radius, 0.0);
-    let root = |t| Some(Root { t, counts: t > 0.0, margin });
+    let root = |t| {
+        Some(Root {
+            t,
+            counts: t > 0.0,
+            margin,
+        })
+    };
     Margins {
         line: residual(ray, center, radius, middle),
         meets: half_chord_squared >= 0.0,

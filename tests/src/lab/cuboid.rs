@@ -49,72 +49,113 @@ impl Stage for Cuboids {
         let large = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
         let small = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
         vec![
-            Sweep::new("distance", "distance of the origin / size", &large, |x, random| {
-                let cuboid = cuboid(random, 0.0);
-                let place = [0, 1, 2].map(|_| random.between(-0.3, 1.3));
-                toward(random, cuboid, within(&cuboid, place), 3.0 * x)
-            }),
-            Sweep::new("edge", "distance from an edge / size", &small, |x, random| {
-                let cuboid = cuboid(random, 0.0);
-                let aim = near_edge(random, &cuboid, x);
-                toward(random, cuboid, aim, 10.0)
-            }),
-            Sweep::new("near surface", "distance of the origin from a face / size", &small, {
+            Sweep::new(
+                "distance",
+                "distance of the origin / size",
+                &large,
                 |x, random| {
                     let cuboid = cuboid(random, 0.0);
-                    let mut place = [0, 1, 2].map(|_| random.unit());
-                    place[random.below(3)] = random.below(2) as f64 + x * random.signed();
-                    let origin = within(&cuboid, place).round();
-                    (Ray::new(origin, random.direction().unit()), cuboid)
-                }
-            }),
-            // Whole numbers, so that faces, edges and origins are met exactly.
-            Sweep::new("lattice", "direction components that are zero", &[0.0, 1.0, 2.0], {
+                    let place = [0, 1, 2].map(|_| random.between(-0.3, 1.3));
+                    toward(random, cuboid, within(&cuboid, place), 3.0 * x)
+                },
+            ),
+            Sweep::new(
+                "edge",
+                "distance from an edge / size",
+                &small,
                 |x, random| {
-                    let whole = |random: &mut Random| (random.below(9) as f32) - 4.0;
-                    let corner = Vec3::from([0; 3].map(|_| whole(random)));
-                    let size = Vec3::from([0; 3].map(|_| random.below(4) as f32));
-                    let cuboid = Cuboid { min: corner, max: corner + size };
-                    let origin = Vec3::from([0; 3].map(|_| whole(random)));
-                    loop {
-                        let zeros = [0; 3].map(|_| random.below(3));
-                        let d: [f32; 3] = [0, 1, 2].map(|i| {
-                            let sign = [-1.0, 1.0][random.below(2)];
-                            if zeros[i] == 0 { 0.0 * sign } else { zeros[i] as f32 * sign }
-                        });
-                        if d.iter().filter(|&&d| d == 0.0).count() == x as usize {
-                            // Not of unit length: so it stays whole.
-                            return (Ray::new(origin, d.into()), cuboid);
+                    let cuboid = cuboid(random, 0.0);
+                    let aim = near_edge(random, &cuboid, x);
+                    toward(random, cuboid, aim, 10.0)
+                },
+            ),
+            Sweep::new(
+                "near surface",
+                "distance of the origin from a face / size",
+                &small,
+                {
+                    |x, random| {
+                        let cuboid = cuboid(random, 0.0);
+                        let mut place = [0, 1, 2].map(|_| random.unit());
+                        place[random.below(3)] = random.below(2) as f64 + x * random.signed();
+                        let origin = within(&cuboid, place).round();
+                        (Ray::new(origin, random.direction().unit()), cuboid)
+                    }
+                },
+            ),
+            // Whole numbers, so that faces, edges and origins are met exactly.
+            Sweep::new(
+                "lattice",
+                "direction components that are zero",
+                &[0.0, 1.0, 2.0],
+                {
+                    |x, random| {
+                        let whole = |random: &mut Random| (random.below(9) as f32) - 4.0;
+                        let corner = Vec3::from([0; 3].map(|_| whole(random)));
+                        let size = Vec3::from([0; 3].map(|_| random.below(4) as f32));
+                        let cuboid = Cuboid {
+                            min: corner,
+                            max: corner + size,
+                        };
+                        let origin = Vec3::from([0; 3].map(|_| whole(random)));
+                        loop {
+                            let zeros = [0; 3].map(|_| random.below(3));
+                            let d: [f32; 3] = [0, 1, 2].map(|i| {
+                                let sign = [-1.0, 1.0][random.below(2)];
+                                if zeros[i] == 0 {
+                                    0.0 * sign
+                                } else {
+                                    zeros[i] as f32 * sign
+                                }
+                            });
+                            if d.iter().filter(|&&d| d == 0.0).count() == x as usize {
+                                // Not of unit length: so it stays whole.
+                                return (Ray::new(origin, d.into()), cuboid);
+                            }
                         }
                     }
-                }
-            }),
-            Sweep::new("along a face", "distance of the origin / size", &large, |x, random| {
-                // A direction without one component, from a slab's plane or a step beside it.
-                let cuboid = cuboid(random, 0.0);
-                let place = [0, 1, 2].map(|_| random.between(-0.3, 1.3));
-                let (axis, high) = (random.below(3), random.below(2) == 1);
-                let mut direction = random.direction();
-                direction.0[axis] = 0.0;
-                let mut origin = (within(&cuboid, place) - direction * (3.0 * x)).round();
-                let plane = if high { cuboid.max[axis] } else { cuboid.min[axis] };
-                origin[axis] = match random.below(3) {
-                    0 => plane.next_down(),
-                    1 => plane,
-                    _ => plane.next_up(),
-                };
-                let mut direction = direction.unit();
-                direction[axis] = [-0.0, 0.0][random.below(2)];
-                (Ray::new(origin, direction), cuboid)
-            }),
-            Sweep::new("thin", "thickness / size", &[1.0, 1e-2, 1e-4, 1e-6, 0.0], |x, random| {
-                let mut cuboid = cuboid(random, 0.0);
-                let axis = random.below(3);
-                cuboid.max[axis] = cuboid.min[axis] + x as f32;
-                let place = [0, 1, 2].map(|_| random.between(-0.3, 1.3));
-                let aim = within(&cuboid, place);
-                toward(random, cuboid, aim, 10.0)
-            }),
+                },
+            ),
+            Sweep::new(
+                "along a face",
+                "distance of the origin / size",
+                &large,
+                |x, random| {
+                    // A direction without one component, from a slab's plane or a step beside it.
+                    let cuboid = cuboid(random, 0.0);
+                    let place = [0, 1, 2].map(|_| random.between(-0.3, 1.3));
+                    let (axis, high) = (random.below(3), random.below(2) == 1);
+                    let mut direction = random.direction();
+                    direction.0[axis] = 0.0;
+                    let mut origin = (within(&cuboid, place) - direction * (3.0 * x)).round();
+                    let plane = if high {
+                        cuboid.max[axis]
+                    } else {
+                        cuboid.min[axis]
+                    };
+                    origin[axis] = match random.below(3) {
+                        0 => plane.next_down(),
+                        1 => plane,
+                        _ => plane.next_up(),
+                    };
+                    let mut direction = direction.unit();
+                    direction[axis] = [-0.0, 0.0][random.below(2)];
+                    (Ray::new(origin, direction), cuboid)
+                },
+            ),
+            Sweep::new(
+                "thin",
+                "thickness / size",
+                &[1.0, 1e-2, 1e-4, 1e-6, 0.0],
+                |x, random| {
+                    let mut cuboid = cuboid(random, 0.0);
+                    let axis = random.below(3);
+                    cuboid.max[axis] = cuboid.min[axis] + x as f32;
+                    let place = [0, 1, 2].map(|_| random.between(-0.3, 1.3));
+                    let aim = within(&cuboid, place);
+                    toward(random, cuboid, aim, 10.0)
+                },
+            ),
             Sweep::new("inside", "size of the box", &large, |x, random| {
                 let half = Point([0, 1, 2].map(|_| x * random.between(0.3, 1.0)));
                 let center = random.vector(1.0);
@@ -126,11 +167,16 @@ impl Stage for Cuboids {
                 let origin = within(&cuboid, place).round();
                 (Ray::new(origin, random.direction().unit()), cuboid)
             }),
-            Sweep::new("world offset", "distance of the scene from 0 / size", &large, |x, random| {
-                let cuboid = cuboid(random, x);
-                let place = [0, 1, 2].map(|_| random.between(-0.3, 1.3));
-                toward(random, cuboid, within(&cuboid, place), 10.0)
-            }),
+            Sweep::new(
+                "world offset",
+                "distance of the scene from 0 / size",
+                &large,
+                |x, random| {
+                    let cuboid = cuboid(random, x);
+                    let place = [0, 1, 2].map(|_| random.between(-0.3, 1.3));
+                    toward(random, cuboid, within(&cuboid, place), 10.0)
+                },
+            ),
             Sweep::new(
                 "scale",
                 "log2 of the size of everything",
@@ -142,7 +188,13 @@ impl Stage for Cuboids {
                     let scale = x.exp2() as f32;
                     let Cuboid { min, max } = cuboid;
                     let ray = Ray::new(ray.origin * scale, ray.direction);
-                    (ray, Cuboid { min: min * scale, max: max * scale })
+                    (
+                        ray,
+                        Cuboid {
+                            min: min * scale,
+                            max: max * scale,
+                        },
+                    )
                 },
             ),
         ]

@@ -39,7 +39,11 @@ fn past(random: &mut Random, frustum: Frustum, place: f64, miss: f64, distance: 
     let side = {
         let cross = direction.cross(axis);
         let length = cross.dot(cross).sqrt();
-        if length > 1e-3 { cross * (1.0 / length) } else { side }
+        if length > 1e-3 {
+            cross * (1.0 / length)
+        } else {
+            side
+        }
     };
     let along = place * f64::from(frustum.length);
     let radius = f64::from(frustum.base_radius) + f64::from(frustum.slope) * along;
@@ -65,61 +69,93 @@ impl Stage for Frusta {
                     past(random, frustum, place, miss, x)
                 },
             ),
-            Sweep::new("grazing", "distance from the silhouette / radius", &small, |x, random| {
-                let frustum = frustum(random, 0.0);
-                let (place, miss) = (random.unit(), 1.0 + x * random.signed());
-                past(random, frustum, place, miss, 10.0)
-            }),
-            Sweep::new("end", "distance from an end / length", &small, |x, random| {
-                // Aimed at the rim.
-                let frustum = frustum(random, 0.0);
-                let axis = Point::new(frustum.axis);
-                let along = (random.below(2) as f64 + x * random.signed()) * f64::from(frustum.length);
-                let radius = f64::from(frustum.base_radius) + f64::from(frustum.slope) * along;
-                let rim = Point::new(frustum.base) + axis * along + random.across(axis) * radius;
-                let direction = random.direction();
-                let origin = rim - direction * 10.0;
-                (Ray::new(origin.round(), direction.unit()), frustum)
-            }),
-            Sweep::new("near surface", "height over the surface / radius", &small, |x, random| {
-                let frustum = frustum(random, 0.0);
-                let axis = Point::new(frustum.axis);
-                let along = random.unit() * f64::from(frustum.length);
-                let radius = f64::from(frustum.base_radius) + f64::from(frustum.slope) * along;
-                let out = random.across(axis) * (radius * (1.0 + x * random.signed()));
-                let origin = Point::new(frustum.base) + axis * along + out;
-                (Ray::new(origin.round(), random.direction().unit()), frustum)
-            }),
-            Sweep::new("along the axis", "sine of the angle to the axis", &small, |x, random| {
-                let frustum = frustum(random, 0.0);
-                let axis = Point::new(frustum.axis);
-                let direction = axis + random.across(axis) * x;
-                let aim = random.unit() * f64::from(frustum.length);
-                let radius = frustum.base_radius + frustum.slope * frustum.length;
-                let miss = random.between(0.0, 1.1) * f64::from(radius);
-                let aim = Point::new(frustum.base) + axis * aim + random.across(axis) * miss;
-                let origin = aim - direction * 6.0;
-                (Ray::new(origin.round(), direction.unit()), frustum)
-            }),
-            Sweep::new("along the side", "sine of the angle to the side", &small, |x, random| {
-                let frustum = frustum(random, 0.0);
-                let axis = Point::new(frustum.axis);
-                let out = random.across(axis);
-                let side = axis + out * f64::from(frustum.slope);
-                let direction = side + random.direction() * x;
-                let place = random.unit() * f64::from(frustum.length);
-                let radius = f64::from(frustum.base_radius) + f64::from(frustum.slope) * place;
-                let shift = random.across(axis) * (x * random.signed());
-                let aim = Point::new(frustum.base) + axis * place + out * radius + shift;
-                let origin = aim - direction * 6.0;
-                (Ray::new(origin.round(), direction.unit()), frustum)
-            }),
-            Sweep::new("apex", "distance from the apex / length", &small, |x, random| {
-                let mut frustum = frustum(random, 0.0);
-                frustum.base_radius = 0.0;
-                let (place, miss) = (x * random.signed(), random.between(0.0, 1.2));
-                past(random, frustum, place, miss, 10.0)
-            }),
+            Sweep::new(
+                "grazing",
+                "distance from the silhouette / radius",
+                &small,
+                |x, random| {
+                    let frustum = frustum(random, 0.0);
+                    let (place, miss) = (random.unit(), 1.0 + x * random.signed());
+                    past(random, frustum, place, miss, 10.0)
+                },
+            ),
+            Sweep::new(
+                "end",
+                "distance from an end / length",
+                &small,
+                |x, random| {
+                    // Aimed at the rim.
+                    let frustum = frustum(random, 0.0);
+                    let axis = Point::new(frustum.axis);
+                    let along =
+                        (random.below(2) as f64 + x * random.signed()) * f64::from(frustum.length);
+                    let radius = f64::from(frustum.base_radius) + f64::from(frustum.slope) * along;
+                    let rim =
+                        Point::new(frustum.base) + axis * along + random.across(axis) * radius;
+                    let direction = random.direction();
+                    let origin = rim - direction * 10.0;
+                    (Ray::new(origin.round(), direction.unit()), frustum)
+                },
+            ),
+            Sweep::new(
+                "near surface",
+                "height over the surface / radius",
+                &small,
+                |x, random| {
+                    let frustum = frustum(random, 0.0);
+                    let axis = Point::new(frustum.axis);
+                    let along = random.unit() * f64::from(frustum.length);
+                    let radius = f64::from(frustum.base_radius) + f64::from(frustum.slope) * along;
+                    let out = random.across(axis) * (radius * (1.0 + x * random.signed()));
+                    let origin = Point::new(frustum.base) + axis * along + out;
+                    (Ray::new(origin.round(), random.direction().unit()), frustum)
+                },
+            ),
+            Sweep::new(
+                "along the axis",
+                "sine of the angle to the axis",
+                &small,
+                |x, random| {
+                    let frustum = frustum(random, 0.0);
+                    let axis = Point::new(frustum.axis);
+                    let direction = axis + random.across(axis) * x;
+                    let aim = random.unit() * f64::from(frustum.length);
+                    let radius = frustum.base_radius + frustum.slope * frustum.length;
+                    let miss = random.between(0.0, 1.1) * f64::from(radius);
+                    let aim = Point::new(frustum.base) + axis * aim + random.across(axis) * miss;
+                    let origin = aim - direction * 6.0;
+                    (Ray::new(origin.round(), direction.unit()), frustum)
+                },
+            ),
+            Sweep::new(
+                "along the side",
+                "sine of the angle to the side",
+                &small,
+                |x, random| {
+                    let frustum = frustum(random, 0.0);
+                    let axis = Point::new(frustum.axis);
+                    let out = random.across(axis);
+                    let side = axis + out * f64::from(frustum.slope);
+                    let direction = side + random.direction() * x;
+                    let place = random.unit() * f64::from(frustum.length);
+                    let radius = f64::from(frustum.base_radius) + f64::from(frustum.slope) * place;
+                    let shift = random.across(axis) * (x * random.signed());
+                    let aim = Point::new(frustum.base) + axis * place + out * radius + shift;
+                    let origin = aim - direction * 6.0;
+                    (Ray::new(origin.round(), direction.unit()), frustum)
+                },
+            ),
+            Sweep::new(
+                "apex",
+                "distance from the apex / length",
+                &small,
+                |x, random| {
+                    let mut frustum = frustum(random, 0.0);
+                    frustum.base_radius = 0.0;
+                    let (place, miss) = (x * random.signed(), random.between(0.0, 1.2));
+                    past(random, frustum, place, miss, 10.0)
+                },
+            ),
             Sweep::new(
                 "world offset",
                 "distance of the scene from 0 / size",

@@ -13,19 +13,32 @@ pub struct Planes;
 
 /// A ray at a distance from where it meets the plane, at an angle whose sine is `slope`; the plane's
 /// point at another distance from there, the scene `offset` from 0.
-fn meet(random: &mut Random, distance: f64, slope: f64, point: f64, offset: f64) -> (Ray, PlaneForms) {
+fn meet(
+    random: &mut Random,
+    distance: f64,
+    slope: f64,
+    point: f64,
+    offset: f64,
+) -> (Ray, PlaneForms) {
     let normal = random.direction();
     let within = random.across(normal);
     let hit = random.vector(1.0) + random.direction() * offset;
     let direction = within * (1.0 - slope * slope).sqrt() - normal * slope;
     let origin = hit - direction * distance;
     // The ray in front of the plane, or past it.
-    let direction = if random.unit() < 0.8 { direction } else { direction * -1.0 };
+    let direction = if random.unit() < 0.8 {
+        direction
+    } else {
+        direction * -1.0
+    };
     let point = hit + random.across(normal) * point;
     let normal = normal.round();
     (
         Ray::new(origin.round(), direction.unit()),
-        PlaneForms::new(Plane { point: point.round(), normal }),
+        PlaneForms::new(Plane {
+            point: point.round(),
+            normal,
+        }),
     )
 }
 
@@ -49,14 +62,24 @@ impl Stage for Planes {
                 let slope = random.between(0.05, 1.0);
                 meet(random, x, slope, 1.0, 0.0)
             }),
-            Sweep::new("far point", "distance of the plane's point", &large, |x, random| {
-                let slope = random.between(0.05, 1.0);
-                meet(random, 5.0, slope, x, 0.0)
-            }),
-            Sweep::new("world offset", "distance of the scene from 0", &large, |x, random| {
-                let slope = random.between(0.05, 1.0);
-                meet(random, 5.0, slope, 1.0, x)
-            }),
+            Sweep::new(
+                "far point",
+                "distance of the plane's point",
+                &large,
+                |x, random| {
+                    let slope = random.between(0.05, 1.0);
+                    meet(random, 5.0, slope, x, 0.0)
+                },
+            ),
+            Sweep::new(
+                "world offset",
+                "distance of the scene from 0",
+                &large,
+                |x, random| {
+                    let slope = random.between(0.05, 1.0);
+                    meet(random, 5.0, slope, 1.0, x)
+                },
+            ),
             Sweep::new(
                 "near surface",
                 "height of the origin over the plane",
@@ -64,7 +87,8 @@ impl Stage for Planes {
                 |x, random| {
                     let (_, plane) = meet(random, 1.0, 0.5, 3.0, 1.0);
                     let normal = Point::new(plane.plane.normal);
-                    let foot = Point::new(plane.plane.point) + random.across(normal) * random.unit();
+                    let foot =
+                        Point::new(plane.plane.point) + random.across(normal) * random.unit();
                     let origin = foot + normal * (x * random.signed());
                     (Ray::new(origin.round(), random.direction().unit()), plane)
                 },
@@ -78,8 +102,14 @@ impl Stage for Planes {
                     let (ray, plane) = meet(random, 5.0, slope, 1.0, 1.0);
                     let scale = |v: Vec3| v * x.exp2() as f32;
                     let Plane { point, normal } = plane.plane;
-                    let plane = Plane { point: scale(point), normal };
-                    (Ray::new(scale(ray.origin), ray.direction), PlaneForms::new(plane))
+                    let plane = Plane {
+                        point: scale(point),
+                        normal,
+                    };
+                    (
+                        Ray::new(scale(ray.origin), ray.direction),
+                        PlaneForms::new(plane),
+                    )
                 },
             ),
         ]

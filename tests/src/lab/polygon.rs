@@ -82,18 +82,26 @@ fn newell(vertices: &[Vec3]) -> Vec3 {
 /// A point on the edge between two vertices, moved by up to `x`.
 fn near_edge(random: &mut Random, vertices: &[Vec3], x: f64) -> Point {
     let i = random.below(vertices.len());
-    let (a, b) = (Point::new(vertices[i]), Point::new(vertices[(i + 1) % vertices.len()]));
+    let (a, b) = (
+        Point::new(vertices[i]),
+        Point::new(vertices[(i + 1) % vertices.len()]),
+    );
     a + (b - a) * random.unit() + random.vector(x)
 }
 
 fn distance(name: &'static str, corners: usize) -> Sweep<Case> {
     let far = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
-    Sweep::new(name, "distance of the origin / size", &far, move |x, random| {
-        let canvas = Canvas::new(random, 0.0);
-        let vertices = canvas.outline(random, corners, 0.95);
-        let aim = canvas.at(random.between(-1.2, 1.2), random.between(-1.2, 1.2));
-        canvas.seen(random, vertices, aim, 2.0 * x)
-    })
+    Sweep::new(
+        name,
+        "distance of the origin / size",
+        &far,
+        move |x, random| {
+            let canvas = Canvas::new(random, 0.0);
+            let vertices = canvas.outline(random, corners, 0.95);
+            let aim = canvas.at(random.between(-1.2, 1.2), random.between(-1.2, 1.2));
+            canvas.seen(random, vertices, aim, 2.0 * x)
+        },
+    )
 }
 
 impl Stage for Polygons {
@@ -106,53 +114,78 @@ impl Stage for Polygons {
             distance("distance, triangle", 3),
             distance("distance, hexagon", 6),
             distance("distance, decagon", 10),
-            Sweep::new("edge, hexagon", "distance from an edge / size", &small, |x, random| {
-                let canvas = Canvas::new(random, 0.0);
-                let vertices = canvas.outline(random, 6, 0.95);
-                let aim = near_edge(random, &vertices, x);
-                canvas.seen(random, vertices, aim, 10.0)
-            }),
-            Sweep::new("edge, concave", "distance from an edge / size", &small, |x, random| {
-                // A star: every second corner drawn in.
-                let canvas = Canvas::new(random, 0.0);
-                let mut vertices = canvas.outline(random, 10, 0.9);
-                for vertex in vertices.iter_mut().step_by(2) {
-                    let corner = Point::new(*vertex);
-                    *vertex = (corner + (canvas.center - corner) * 0.6).round();
-                }
-                let aim = near_edge(random, &vertices, x);
-                canvas.seen(random, vertices, aim, 10.0)
-            }),
-            Sweep::new("edge, warped", "distance from an edge / size", &small, |x, random| {
-                // Out of its plane by 1e-5 of its size, as files with few digits have it.
-                let canvas = Canvas::new(random, 0.0);
-                let mut vertices = canvas.outline(random, 4, 0.9);
-                for vertex in &mut vertices {
-                    *vertex = (Point::new(*vertex) + random.vector(1e-5)).round();
-                }
-                let aim = near_edge(random, &vertices, x);
-                canvas.seen(random, vertices, aim, 10.0)
-            }),
-            Sweep::new("sliver", "height / length of a triangle", &small, |x, random| {
-                let canvas = Canvas::new(random, 0.0);
-                let vertices = [(-1.0, 0.0), (1.0, 0.0), (random.signed(), x)];
-                let vertices = vertices.map(|(x, y)| canvas.at(x, y).round()).to_vec();
-                let aim = canvas.at(random.signed(), x * random.between(-0.2, 1.2));
-                canvas.seen(random, vertices, aim, 10.0)
-            }),
-            Sweep::new("grazing", "sine of the angle between ray and plane", &small, |x, random| {
-                let canvas = Canvas::new(random, 0.0);
-                let vertices = canvas.outline(random, 6, 0.95);
-                let aim = canvas.at(random.between(-1.2, 1.2), random.between(-1.2, 1.2));
-                let across = canvas.x.cross(canvas.y);
-                let direction = random.across(across) + across * (x * random.between(0.5, 1.0));
-                let origin = aim - direction * 10.0;
-                Case {
-                    ray: Ray::new(origin.round(), direction.unit()),
-                    normal: newell(&vertices),
-                    vertices,
-                }
-            }),
+            Sweep::new(
+                "edge, hexagon",
+                "distance from an edge / size",
+                &small,
+                |x, random| {
+                    let canvas = Canvas::new(random, 0.0);
+                    let vertices = canvas.outline(random, 6, 0.95);
+                    let aim = near_edge(random, &vertices, x);
+                    canvas.seen(random, vertices, aim, 10.0)
+                },
+            ),
+            Sweep::new(
+                "edge, concave",
+                "distance from an edge / size",
+                &small,
+                |x, random| {
+                    // A star: every second corner drawn in.
+                    let canvas = Canvas::new(random, 0.0);
+                    let mut vertices = canvas.outline(random, 10, 0.9);
+                    for vertex in vertices.iter_mut().step_by(2) {
+                        let corner = Point::new(*vertex);
+                        *vertex = (corner + (canvas.center - corner) * 0.6).round();
+                    }
+                    let aim = near_edge(random, &vertices, x);
+                    canvas.seen(random, vertices, aim, 10.0)
+                },
+            ),
+            Sweep::new(
+                "edge, warped",
+                "distance from an edge / size",
+                &small,
+                |x, random| {
+                    // Out of its plane by 1e-5 of its size, as files with few digits have it.
+                    let canvas = Canvas::new(random, 0.0);
+                    let mut vertices = canvas.outline(random, 4, 0.9);
+                    for vertex in &mut vertices {
+                        *vertex = (Point::new(*vertex) + random.vector(1e-5)).round();
+                    }
+                    let aim = near_edge(random, &vertices, x);
+                    canvas.seen(random, vertices, aim, 10.0)
+                },
+            ),
+            Sweep::new(
+                "sliver",
+                "height / length of a triangle",
+                &small,
+                |x, random| {
+                    let canvas = Canvas::new(random, 0.0);
+                    let vertices = [(-1.0, 0.0), (1.0, 0.0), (random.signed(), x)];
+                    let vertices = vertices.map(|(x, y)| canvas.at(x, y).round()).to_vec();
+                    let aim = canvas.at(random.signed(), x * random.between(-0.2, 1.2));
+                    canvas.seen(random, vertices, aim, 10.0)
+                },
+            ),
+            Sweep::new(
+                "grazing",
+                "sine of the angle between ray and plane",
+                &small,
+                |x, random| {
+                    let canvas = Canvas::new(random, 0.0);
+                    let vertices = canvas.outline(random, 6, 0.95);
+                    let aim = canvas.at(random.between(-1.2, 1.2), random.between(-1.2, 1.2));
+                    let across = canvas.x.cross(canvas.y);
+                    let direction = random.across(across) + across * (x * random.between(0.5, 1.0));
+                    let origin = aim - direction * 10.0;
+                    Case {
+                        ray: Ray::new(origin.round(), direction.unit()),
+                        normal: newell(&vertices),
+                        vertices,
+                    }
+                },
+            ),
             Sweep::new(
                 "world offset",
                 "distance of the scene from 0 / size",
@@ -193,14 +226,18 @@ impl Stage for Polygons {
         let vertices: Vec<[f32; 3]> = case.vertices.iter().map(|v| v.to_array()).collect();
         let stored = Facing::Normal(case.normal.to_array());
         let by = |facing| (facing, exact::polygon::truth(&ray, &vertices, facing));
-        let (stored, vertex) = (by(stored), by(Facing::Vertices));
+        let (stored, fan) = (by(stored), by(Facing::Fan));
         let setup = Setup::new(&case.ray);
         let polygon = Polygon {
             vertices: &case.vertices,
             normal: case.normal,
         };
         for (i, method) in METHODS.iter().enumerate() {
-            let (facing, truth) = if ignores_normal(method.name) { vertex } else { stored };
+            let (facing, truth) = if ignores_normal(method.name) {
+                fan
+            } else {
+                stored
+            };
             let verdict = exact::judge(
                 &truth,
                 (method.run)(&case.ray, &setup, &polygon),

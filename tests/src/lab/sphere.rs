@@ -18,7 +18,12 @@ fn sphere(random: &mut Random, offset: f64) -> (Point, f64) {
 }
 
 /// A ray that starts at a distance and passes the center at a distance, rounded.
-fn past(random: &mut Random, (center, radius): (Point, f64), start: f64, miss: f64) -> (Ray, Sphere) {
+fn past(
+    random: &mut Random,
+    (center, radius): (Point, f64),
+    start: f64,
+    miss: f64,
+) -> (Ray, Sphere) {
     let direction = random.direction();
     let side = random.across(direction);
     let back = (start * start - miss * miss).max(0.0).sqrt();
@@ -69,7 +74,13 @@ impl Stage for Spheres {
                     let origin = center + random.direction() * height;
                     let ray = Ray::new(origin.round(), random.direction().unit());
                     let radius = radius as f32;
-                    (ray, Sphere { center: center.round(), radius })
+                    (
+                        ray,
+                        Sphere {
+                            center: center.round(),
+                            radius,
+                        },
+                    )
                 },
             ),
             Sweep::new(
@@ -81,7 +92,13 @@ impl Stage for Spheres {
                     let origin = up * random.between(0.5, 1.5);
                     let ray = Ray::new(origin.round(), random.direction().unit());
                     let center = (up * -x).round();
-                    (ray, Sphere { center, radius: x as f32 })
+                    (
+                        ray,
+                        Sphere {
+                            center,
+                            radius: x as f32,
+                        },
+                    )
                 },
             ),
             Sweep::new(
@@ -121,9 +138,14 @@ impl Stage for Spheres {
                     // Directions near an axis, shorter than 1 by u.
                     let (center, radius) = sphere(random, 0.0);
                     let side = Vec3::new(random.signed() as f32, random.signed() as f32, 0.0);
-                    let tilt = Vec3::new(random.signed() as f32, random.signed() as f32, 0.0) * 1e-4;
-                    let origin = center.round() + side * 1.1 - (Vec3::Z + tilt) * (x * radius) as f32;
-                    let sphere = Sphere { center: center.round(), radius: radius as f32 };
+                    let tilt =
+                        Vec3::new(random.signed() as f32, random.signed() as f32, 0.0) * 1e-4;
+                    let origin =
+                        center.round() + side * 1.1 - (Vec3::Z + tilt) * (x * radius) as f32;
+                    let sphere = Sphere {
+                        center: center.round(),
+                        radius: radius as f32,
+                    };
                     let direction = (Vec3::Z + tilt) * (1.0 - f32::EPSILON * 0.5);
                     (Ray::new(origin, direction), sphere)
                 },

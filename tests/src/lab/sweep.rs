@@ -88,7 +88,7 @@ pub fn run<S: Stage>(effort: Effort, progress: &(impl Fn(&str, &str) + Sync)) ->
         for (index, cell) in sweep.cells.iter().enumerate() {
             let tallies = run_cell::<S>(effort, sweep.name, index as u64, cell);
             for (tally, method) in tallies.iter().zip(&methods) {
-                rows.push(tally.row(S::NAME, sweep.name, cell.x, method));
+                rows.push(tally.row(S::NAME, [sweep.name, sweep.axis], cell.x, method));
             }
         }
     }

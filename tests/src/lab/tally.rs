@@ -57,6 +57,7 @@ pub struct Tally {
     backward_classes: Histogram,
     forward: f64,
     wrong: u64,
+    beyond: u64,
     band: f64,
 }
 
@@ -69,6 +70,7 @@ impl Tally {
             backward_classes: Histogram::new(),
             forward: 0.0,
             wrong: 0,
+            beyond: 0,
             band: 0.0,
         }
     }
@@ -79,6 +81,7 @@ impl Tally {
         match verdict.wrong {
             Some(band) => {
                 self.wrong += 1;
+                self.beyond += u64::from(band > 1.0);
                 self.band = self.band.max(band);
             }
             None => {
@@ -96,14 +99,16 @@ impl Tally {
         self.backward_classes.merge(&other.backward_classes);
         self.forward = self.forward.max(other.forward);
         self.wrong += other.wrong;
+        self.beyond += other.beyond;
         self.band = self.band.max(other.band);
     }
 
-    /// As a line of the report.
-    pub fn row(&self, stage: &str, sweep: &str, x: f64, method: &str) -> Row {
+    /// As a line of the report. `sweep` is its name and what its numbers mean.
+    pub fn row(&self, stage: &str, sweep: [&str; 2], x: f64, method: &str) -> Row {
         Row {
             stage: stage.into(),
-            sweep: sweep.into(),
+            sweep: sweep[0].into(),
+            axis: sweep[1].into(),
             x,
             method: method.into(),
             n: self.n,
@@ -111,6 +116,7 @@ impl Tally {
             backward_999: self.backward_classes.quantile(0.999).min(self.backward),
             forward: self.forward,
             wrong: self.wrong,
+            beyond: self.beyond,
             band: self.band,
         }
     }
@@ -129,6 +135,8 @@ pub struct Row {
     pub stage: String,
     /// What makes it hard.
     pub sweep: String,
+    /// What the next number means.
+    pub axis: String,
     /// How hard.
     pub x: f64,
     /// By which method.
@@ -143,6 +151,8 @@ pub struct Row {
     pub forward: f64,
     /// Hits that are misses and misses that are hits.
     pub wrong: u64,
+    /// Those of them that were further than 1 u from the silhouette.
+    pub beyond: u64,
     /// How far from the silhouette the worst of them was.
     pub band: f64,
 }
@@ -165,9 +175,13 @@ mod tests {
         for i in 0..2000 {
             tally.add(&answer(if i == 7 { 1e6 } else { 1.5 }));
         }
-        let row = tally.row("", "", 0.0, "");
+        let row = tally.row("", [""; 2], 0.0, "");
         assert_eq!(row.backward, 1e6);
-        assert!((1.5..1.55).contains(&row.backward_999), "{}", row.backward_999);
+        assert!(
+            (1.5..1.55).contains(&row.backward_999),
+            "{}",
+            row.backward_999
+        );
     }
 
     #[test]
@@ -180,6 +194,9 @@ mod tests {
             both.add(&verdict);
         }
         one.merge(&other);
-        assert_eq!(one.row("", "", 0.0, ""), both.row("", "", 0.0, ""));
+        assert_eq!(
+            one.row("", [""; 2], 0.0, ""),
+            both.row("", [""; 2], 0.0, "")
+        );
     }
 }

@@ -1,0 +1,76 @@
+//! What each method costs on a part, as counted there: `tests/charts/cycles.csv`.
+//!
+//! A firmware counts what [`whitted_methods::price`] runs and writes a line for each entry. The charts
+//! need no cross toolchain: they read the committed lines.
+
+use std::path::Path;
+
+/// A line of `cycles.csv`.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Price {
+    /// As in [`whitted_methods::price::Entry`].
+    pub stage: String,
+    /// Which inputs.
+    pub case: String,
+    /// By which method.
+    pub method: String,
+    /// On which part: `cortex-m4f`, `cortex-m0`.
+    pub target: String,
+    /// Estimated, a call; only where there is a model of the part.
+    pub cycles: Option<f64>,
+    /// Counted, a call.
+    pub instructions: f64,
+    /// Size of all functions that ran.
+    pub bytes: u64,
+}
+
+/// All prices; none if there is no such file.
+///
+/// # Errors
+///
+/// Where the file is there and cannot be read.
+pub fn read(path: &Path) -> Result<Vec<Price>, csv::Error> {
+    if path.exists() {
+        csv::Reader::from_path(path)?.deserialize().collect()
+    } else {
+        Ok(Vec::new())
+    }
+}
+
+/// What is prepared once a ray for a method, as named in the stage `setup`.
+pub fn setup(stage: &str, method: &str) -> Option<&'static str> {
+    match (stage, method) {
+        ("polygon", "core") => Some("polygon core"),
+        (
+            "polygon",
+            "fan, Woop" | "sheared crossings" | "sheared, lazy" | "sheared, plane first",
+        ) => Some("polygon shear"),
+        ("cuboid", "core") => Some("cuboid core"),
+        ("cuboid", "slabs, divide, swap" | "fractions" | "branch on zero" | "f64") => None,
+        ("cuboid", _) => Some("cuboid reciprocal"),
+        _ => None,
+    }
+}
+
+/// Estimated cycles of a method on a part: of a call, and of a call with what is prepared for it.
+pub fn cycles(
+    prices: &[Price],
+    target: &str,
+    stage: &str,
+    case: &str,
+    method: &str,
+) -> Option<(f64, f64)> {
+    let find = |stage: &str, case: &str, method: &str| -> Option<f64> {
+        let is = |price: &&Price| {
+            (price.target.as_str(), price.stage.as_str()) == (target, stage)
+                && (price.case.as_str(), price.method.as_str()) == (case, method)
+        };
+        prices.iter().find(is)?.cycles
+    };
+    let call = find(stage, case, method)?;
+    let prepared = match setup(stage, method) {
+        Some(setup) => find("setup", "", setup)?,
+        None => 0.0,
+    };
+    Some((call, call + prepared))
+}

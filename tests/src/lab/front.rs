@@ -1,0 +1,340 @@
+//! Which methods are worth their price, and whether `whitted` uses such ones.
+
+use super::cycles::{self, Price};
+use super::special::Outcome;
+use super::tally::Row;
+use super::watertight::Leaks;
+
+/// What is compared in a chart, and which method `whitted` uses there.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject {
+    /// As in the rows.
+    pub stage: &'static str,
+    /// Above the chart.
+    pub title: &'static str,
+    /// The inputs whose price counts.
+    pub case: &'static str,
+    /// What the error is counted in.
+    pub measure: Measure,
+    /// The method of the table that `whitted` uses. Its entry calls the code of `whitted` itself, so
+    /// that there is one place to change when that changes.
+    pub winner: &'static str,
+    /// Methods that do the same, written once more for the lab: they do not compete with the winner.
+    pub same: &'static [&'static str],
+}
+
+/// What an error is counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// The larger of backward error and band, in u.
+    Backward,
+    /// Error of the result, in u.
+    Relative,
+    /// Error of the result, in steps of an 8-bit channel.
+    Steps,
+    /// Share of wrong answers.
+    Wrong,
+}
+
+/// All of them, in the order of a ray's way.
+pub const SUBJECTS: &[Subject] = &[
+    subject(
+        "sphere",
+        "Ray and sphere",
+        "hit",
+        Measure::Backward,
+        &["shift", "shift, two sums"],
+    ),
+    subject(
+        "plane",
+        "Ray and plane",
+        "hit",
+        Measure::Backward,
+        &["point"],
+    ),
+    subject(
+        "polygon",
+        "Ray and hexagon",
+        "hexagon hit",
+        Measure::Backward,
+        &["sheared crossings"],
+    ),
+    subject(
+        "cuboid",
+        "Ray and box",
+        "hit",
+        Measure::Backward,
+        &["by sign"],
+    ),
+    subject(
+        "frustum",
+        "Ray and cone",
+        "hit",
+        Measure::Backward,
+        &["shift, Lagrange"],
+    ),
+    subject(
+        "secondary",
+        "Start of a secondary ray",
+        "origin",
+        Measure::Wrong,
+        &[],
+    ),
+    subject("sqrt", "Square root", "", Measure::Relative, &[]),
+    subject(
+        "rsqrt",
+        "Reciprocal square root",
+        "",
+        Measure::Relative,
+        &[],
+    ),
+    subject("normalize", "Unit vector", "", Measure::Relative, &[]),
+    subject("power", "Whole power", "n = 50", Measure::Steps, &[]),
+    subject("power, real", "Real power", "n = 50.5", Measure::Steps, &[]),
+];
+
+const fn subject(
+    stage: &'static str,
+    title: &'static str,
+    case: &'static str,
+    measure: Measure,
+    same: &'static [&'static str],
+) -> Subject {
+    Subject {
+        stage,
+        title,
+        case,
+        measure,
+        winner: "core",
+        same,
+    }
+}
+
+/// The part whose price counts.
+pub const TARGET: &str = "cortex-m4f";
+
+/// A method's place in a chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// The method.
+    pub method: String,
+    /// The worst error in all cells, in units of the subject's measure.
+    pub error: f64,
+    /// Cycles of a call, and of a call with what is prepared for it.
+    pub cycles: Option<(f64, f64)>,
+    /// Whether it answers all special inputs, and leaves no holes.
+    pub sound: bool,
+}
+
+/// All that a run measured, and the prices.
+#[derive(Clone, Debug, Default)]
+pub struct Results {
+    /// The sweeps.
+    pub rows: Vec<Row>,
+    /// The special inputs.
+    pub special: Vec<Outcome>,
+    /// The meshes.
+    pub leaks: Vec<Leaks>,
+    /// The prices.
+    pub prices: Vec<Price>,
+}
+
+impl Results {
+    /// Every method of a subject, in the order of its table.
+    pub fn marks(&self, subject: &Subject) -> Vec<Mark> {
+        let rows = || self.rows.iter().filter(|row| row.stage == subject.stage);
+        let mut methods: Vec<&str> = Vec::new();
+        for row in rows() {
+            if !methods.contains(&row.method.as_str()) {
+                methods.push(&row.method);
+            }
+        }
+        let mark = |&method: &&str| Mark {
+            method: method.into(),
+            error: rows()
+                // Beyond the documented range.
+                .filter(|row| row.method == method && !row.sweep.ends_with("extreme"))
+                .map(|row| subject.measure.of(row))
+                .fold(0.0, f64::max),
+            cycles: cycles::cycles(&self.prices, TARGET, subject.stage, subject.case, method),
+            sound: self.is_sound(subject.stage, method),
+        };
+        methods.iter().map(mark).collect()
+    }
+
+    fn is_sound(&self, stage: &str, method: &str) -> bool {
+        let fails = |one: &Outcome| one.stage == stage && one.method == method && !one.pass;
+        let leaks = |one: &Leaks| one.method == method && one.holes + one.doubles > 0;
+        let leaky = stage == "polygon" && self.leaks.iter().any(leaks);
+        !(leaky || self.special.iter().any(fails))
+    }
+
+    /// What is wrong with the methods that `whitted` uses; nothing if all lie on the front.
+    ///
+    /// Everything here is counted: no clock has a say.
+    pub fn complaints(&self) -> Vec<String> {
+        let mut complaints = Vec::new();
+        for subject in SUBJECTS {
+            let marks = self.marks(subject);
+            let Some(winner) = marks.iter().find(|mark| mark.method == subject.winner) else {
+                continue;
+            };
+            if !winner.sound {
+                complaints.push(format!(
+                    "{}: `{}` fails special inputs or leaks",
+                    subject.title, winner.method
+                ));
+            }
+            for other in marks
+                .iter()
+                .filter(|mark| !subject.same.contains(&mark.method.as_str()))
+            {
+                if other.dominates(winner) {
+                    complaints.push(format!(
+                        "{}: whitted's method, {}, is behind `{}`, {}",
+                        subject.title,
+                        winner.describe(subject),
+                        other.method,
+                        other.describe(subject)
+                    ));
+                }
+            }
+        }
+        complaints
+    }
+
+    /// The subjects whose winner has no price yet.
+    pub fn unpriced(&self) -> Vec<&'static str> {
+        let is_priced = |subject: &&Subject| {
+            let marks = self.marks(subject);
+            let mut winner = marks.iter().filter(|mark| mark.method == subject.winner);
+            winner.any(|mark| mark.cycles.is_none())
+        };
+        SUBJECTS
+            .iter()
+            .filter(is_priced)
+            .map(|subject| subject.stage)
+            .collect()
+    }
+}
+
+impl Measure {
+    fn of(self, row: &Row) -> f64 {
+        match self {
+            Self::Backward => row.backward.max(row.band),
+            // What is not finite is as wrong as can be.
+            Self::Relative | Self::Steps => row.backward.max(row.band),
+            Self::Wrong => row.wrong as f64 / row.n as f64,
+        }
+    }
+
+    /// What the axis says.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Backward => "worst backward error or band, u = 2^-24",
+            Self::Relative => "worst error, u = 2^-24",
+            Self::Steps => "worst error, steps of 8 bits",
+            Self::Wrong => "worst share of wrong answers",
+        }
+    }
+}
+
+impl Mark {
+    /// Whether nothing speaks for `other`: this is no worse in price or error and better in one.
+    ///
+    /// Prices count a call alone and a call with what is prepared for it: in a scene with many
+    /// primitives the one matters, with few the other.
+    pub fn dominates(&self, other: &Self) -> bool {
+        let (Some(mine), Some(its)) = (self.cycles, other.cycles) else {
+            return false;
+        };
+        let no_worse = mine.0 <= its.0 && mine.1 <= its.1 && self.error <= other.error;
+        let better = mine.0 < its.0 || self.error < other.error;
+        self.sound && no_worse && better
+    }
+
+    fn describe(&self, subject: &Subject) -> String {
+        let (call, prepared) = self.cycles.unwrap_or((f64::NAN, f64::NAN));
+        let error = self.error;
+        format!(
+            "{call:.0} cycles ({prepared:.0} with set-up) and {error:.3e} ({})",
+            subject.measure.label()
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mark(cycles: f64, error: f64) -> Mark {
+        Mark {
+            method: String::new(),
+            error,
+            cycles: Some((cycles, cycles + 10.0)),
+            sound: true,
+        }
+    }
+
+    #[test]
+    fn only_what_is_no_worse_in_anything_dominates() {
+        assert!(mark(70.0, 1.0).dominates(&mark(80.0, 1.0)));
+        assert!(mark(80.0, 0.9).dominates(&mark(80.0, 1.0)));
+        assert!(!mark(70.0, 1.1).dominates(&mark(80.0, 1.0)));
+        assert!(!mark(80.0, 1.0).dominates(&mark(80.0, 1.0)));
+        let unsound = Mark {
+            sound: false,
+            ..mark(1.0, 0.0)
+        };
+        assert!(!unsound.dominates(&mark(80.0, 1.0)));
+        let unpriced = Mark {
+            cycles: None,
+            ..mark(1.0, 0.0)
+        };
+        assert!(!unpriced.dominates(&mark(80.0, 1.0)));
+        let costly_setup = Mark {
+            cycles: Some((70.0, 200.0)),
+            ..mark(70.0, 1.0)
+        };
+        assert!(!costly_setup.dominates(&mark(80.0, 1.0)));
+    }
+
+    #[test]
+    fn a_winner_behind_the_front_is_complained_about() {
+        let row = |method: &str, backward| Row {
+            stage: "sphere".into(),
+            sweep: "distance".into(),
+            axis: String::new(),
+            x: 1.0,
+            method: method.into(),
+            n: 1,
+            backward,
+            backward_999: backward,
+            forward: 0.0,
+            wrong: 0,
+            beyond: 0,
+            band: 0.0,
+        };
+        let price = |method: &str, cycles| Price {
+            stage: "sphere".into(),
+            case: "hit".into(),
+            method: method.into(),
+            target: TARGET.into(),
+            cycles: Some(cycles),
+            instructions: cycles,
+            bytes: 0,
+        };
+        let mut results = Results {
+            rows: vec![row("core", 1.7), row("tangent", 30_000.0)],
+            prices: vec![price("core", 81.0), price("tangent", 68.0)],
+            ..Results::default()
+        };
+        assert_eq!(results.complaints(), [""; 0]);
+        results.rows.push(row("better", 1.6));
+        results.prices.push(price("better", 80.0));
+        let complaints = results.complaints();
+        assert_eq!(complaints.len(), 1);
+        assert!(complaints[0].contains("better"), "{}", complaints[0]);
+        assert!(results.unpriced().is_empty());
+    }
+}
