@@ -27,8 +27,8 @@ fn main() {
     fs::copy(&map, out_dir.join("memory.x")).unwrap_or_else(|error| panic!("{map}: {error}"));
     println!("cargo:rustc-link-search={}", out_dir.display());
     // Sections in flash need no alignment to pages.
-    println!("cargo:rustc-link-arg-bins=--nmagic");
-    println!("cargo:rustc-link-arg-bins=-Tlink.x");
+    println!("cargo:rustc-link-arg=--nmagic");
+    println!("cargo:rustc-link-arg=-Tlink.x");
 }
 
 /// GCC's soft float is faster than the one in `compiler_builtins`, to the same bits. The linker takes

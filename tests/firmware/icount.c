@@ -133,7 +133,13 @@ static struct block *find_block(const struct qemu_plugin_tb *tb)
     block->sizes = allocate(instructions, 1);
     block->times = allocate(function_count, sizeof *block->times);
     for (int i = 0; i < instructions; i++) {
-        block->sizes[i] = (unsigned char)qemu_plugin_insn_size(qemu_plugin_tb_get_insn(tb, i));
+        /* By the next one's address: near the end of a page QEMU peeks at the next instruction, and
+           counts what it has read as part of this one. */
+        struct qemu_plugin_insn *insn = qemu_plugin_tb_get_insn(tb, i);
+        block->sizes[i] = (unsigned char)(
+            i + 1 < instructions ? qemu_plugin_insn_vaddr(qemu_plugin_tb_get_insn(tb, i + 1)) -
+                                       qemu_plugin_insn_vaddr(insn)
+                                 : qemu_plugin_insn_size(insn));
         block->end += block->sizes[i];
     }
     block->opens = -1;

@@ -33,14 +33,26 @@ use checksum::Checksums;
 use panel::Panel;
 use scenes::Frame;
 
-/// Calls `draw` and reports how deep the stack became below this function's frame.
-#[inline(always)]
-fn watch_stack(draw: impl FnOnce()) {
-    #[cfg(not(target_arch = "wasm32"))]
-    let paint = stack::Paint::below_here();
-    draw();
-    #[cfg(not(target_arch = "wasm32"))]
-    report("stack", paint.depth() as u64);
+/// The deepest stack of some calls.
+#[derive(Default)]
+struct Depth(usize);
+
+impl Depth {
+    /// Calls `draw`, and keeps how deep the stack became below this function's frame.
+    #[inline(always)]
+    fn of(&mut self, draw: impl FnOnce()) {
+        #[cfg(not(target_arch = "wasm32"))]
+        let paint = stack::Paint::below_here();
+        draw();
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            self.0 = self.0.max(paint.depth());
+        }
+    }
+
+    fn report(&self) {
+        report("stack", self.0 as u64);
+    }
 }
 
 /// Draws a frame with `render_row` and reports its checksums.
@@ -49,13 +61,13 @@ fn watch_stack(draw: impl FnOnce()) {
 #[inline(always)]
 pub fn draw_rows<F: Frame>(row: &mut [Vec3], render_row: impl Fn(u32, &mut [Vec3])) {
     let mut checksums = Checksums::default();
-    watch_stack(|| {
-        for y in 0..F::VIEW.height {
-            // What is measured knows neither where the row lies nor what becomes of it.
-            render_row(y, black_box(&mut *row));
-            checksums.add_row(black_box(row));
-        }
-    });
+    let mut depth = Depth::default();
+    for y in 0..F::VIEW.height {
+        // What is measured knows neither where the row lies nor what becomes of it.
+        depth.of(|| render_row(y, black_box(&mut *row)));
+        checksums.add_row(black_box(row));
+    }
+    depth.report();
     report("f32", checksums.float());
     report("8-bit", checksums.byte());
 }
@@ -63,7 +75,9 @@ pub fn draw_rows<F: Frame>(row: &mut [Vec3], render_row: impl Fn(u32, &mut [Vec3
 /// Draws a frame onto a panel with `render` and reports the panel's checksum.
 #[inline(always)]
 pub fn draw_panel(panel: &mut Panel, render: impl Fn(&mut Panel)) {
-    watch_stack(|| render(black_box(&mut *panel)));
+    let mut depth = Depth::default();
+    depth.of(|| render(black_box(&mut *panel)));
+    depth.report();
     report("565", panel.checksum());
 }
 
@@ -78,7 +92,7 @@ pub fn count<F: Frame>() {
 }
 
 /// Writes `name`, a space, `value` in hexadecimal and a line break.
-fn report(name: &str, value: u64) {
+pub fn report(name: &str, value: u64) {
     for &byte in name.as_bytes() {
         platform::put(byte);
     }

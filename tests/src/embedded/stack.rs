@@ -5,6 +5,7 @@
 //! the running program knows, and stack pointers that are computed have no such bound: they are errors.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use anyhow::{Result, bail};
 
@@ -88,49 +89,64 @@ impl Search<'_> {
         };
         let inside = function_start..function_start + function.size;
         let mut walk = Walk::default();
-        let mut waiting = vec![(start, 0)];
-        while let Some((address, depth)) = waiting.pop() {
+        let mut waiting = vec![(start, 0, Values::default())];
+        while let Some((address, depth, mut values)) = waiting.pop() {
             if !inside.contains(&address) {
                 // Called last: its frame takes this one's place.
                 walk.call(address, depth);
                 continue;
             }
+            let name = &function.symbol;
             if let Some(&known) = walk.depths.get(&address) {
                 if known != depth {
-                    let name = &function.symbol;
                     bail!("{name} has {known} or {depth} bytes on the stack at {address:#x}");
                 }
                 continue;
             }
             walk.depths.insert(address, depth);
             let instruction = self.decoder.at(address)?;
-            let Some(growth) = instruction.stack_growth(self.image.architecture) else {
-                bail!(
-                    "{} computes its stack pointer: {instruction}",
-                    function.symbol
-                );
+            let after = match instruction.stack_growth(self.image.architecture) {
+                Some(growth) => depth.checked_add_signed(growth),
+                None => values.stack_after(&instruction, depth),
             };
-            let Some(after) = depth.checked_add_signed(growth) else {
-                bail!(
-                    "{} pops more than it pushed: {instruction}",
-                    function.symbol
-                );
+            let Some(after) = after else {
+                bail!("{name} moves its stack pointer in an unknown way: {instruction}");
             };
+            values.update(&instruction, depth, self.image);
             walk.deepest = walk.deepest.max(after);
-            for target in self.follow(&instruction, after, &mut walk)? {
-                waiting.push((target, after));
+            let targets = self.follow(&instruction, after, &inside, &mut walk)?;
+            if targets.is_empty()
+                && after != 0
+                && instruction.flow(self.image.architecture) == Flow::Return
+            {
+                bail!("{name} returns with {after} bytes on the stack: {instruction}");
             }
+            waiting.extend(
+                targets
+                    .into_iter()
+                    .map(|target| (target, after, values.clone())),
+            );
         }
         Ok(walk)
     }
 
     /// Where an instruction leads within its function, or last.
-    fn follow(&self, instruction: &Instruction, depth: u64, walk: &mut Walk) -> Result<Vec<u64>> {
+    fn follow(
+        &self,
+        instruction: &Instruction,
+        depth: u64,
+        inside: &Range<u64>,
+        walk: &mut Walk,
+    ) -> Result<Vec<u64>> {
         let next = instruction.place.address + instruction.place.size;
         Ok(match instruction.flow(self.image.architecture) {
             Flow::Next => vec![next],
             Flow::Jump(target) => vec![target],
             Flow::Branch(target) => vec![target, next],
+            // On the Cortex-M0 no other instruction jumps far.
+            Flow::Call(target) if inside.contains(&target) && target != inside.start => {
+                vec![target]
+            }
             Flow::Call(target) => {
                 walk.call(target, depth);
                 vec![next]
@@ -159,6 +175,89 @@ impl Search<'_> {
         targets
             .filter(|&target| !self.image.is_data(target))
             .collect()
+    }
+}
+
+/// What is known of registers from which a stack pointer is computed: large frames of the Cortex-M0,
+/// whose instructions have room for small numbers only.
+#[derive(Clone, Debug, Default)]
+struct Values(BTreeMap<String, Value>);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Value {
+    Number(i64),
+    /// So many bytes below the stack pointer at the call.
+    Depth(i64),
+}
+
+impl Values {
+    /// The depth after an instruction that computes the stack pointer.
+    fn stack_after(&self, instruction: &Instruction, depth: u64) -> Option<u64> {
+        let value = |register: &String| self.0.get(register).copied();
+        match (instruction.mnemonic.as_str(), &instruction.registers[..]) {
+            ("mov", [_, source]) => match value(source)? {
+                Value::Depth(depth) => depth.try_into().ok(),
+                Value::Number(_) => None,
+            },
+            ("add", [.., term]) => match value(term)? {
+                Value::Number(number) => depth.checked_add_signed(-number),
+                Value::Depth(_) => None,
+            },
+            _ => None,
+        }
+    }
+
+    fn update(&mut self, instruction: &Instruction, depth: u64, image: &Image) {
+        let Some(target) = instruction.registers.first() else {
+            return;
+        };
+        let source = instruction.registers.get(1).unwrap_or(target);
+        let value = if source == "sp" {
+            Some(Value::Depth(depth as i64))
+        } else {
+            self.0.get(source).copied()
+        };
+        let is_literal = instruction
+            .address
+            .as_ref()
+            .is_some_and(|(base, _)| base == "pc");
+        let result = match (instruction.mnemonic.as_str(), instruction.immediate, value) {
+            ("ldr", Some(offset), _) if is_literal => {
+                let address = ((instruction.place.address + 4) & !3).wrapping_add_signed(offset);
+                let bytes = image
+                    .bytes(address, 4)
+                    .and_then(|bytes| bytes.try_into().ok());
+                bytes.map(|bytes| Value::Number(i32::from_le_bytes(bytes).into()))
+            }
+            ("mov" | "movs", Some(number), _) => Some(Value::Number(number)),
+            ("mov" | "movs", None, value) => value,
+            ("lsls", Some(bits), Some(Value::Number(number))) => {
+                Some(Value::Number(number << bits))
+            }
+            ("add" | "adds", Some(term), Some(Value::Number(number))) => {
+                Some(Value::Number(number + term))
+            }
+            ("sub" | "subs", Some(term), Some(Value::Number(number))) => {
+                Some(Value::Number(number - term))
+            }
+            ("add" | "adds", Some(term), Some(Value::Depth(depth))) => {
+                Some(Value::Depth(depth - term))
+            }
+            ("sub" | "subs", Some(term), Some(Value::Depth(depth))) => {
+                Some(Value::Depth(depth + term))
+            }
+            // Storing and comparing leave it as it is.
+            ("str" | "strb" | "strh" | "cmp" | "push" | "stm", ..) => return,
+            _ => None,
+        };
+        match result {
+            Some(value) => self.0.insert(target.clone(), value),
+            None => self.0.remove(target),
+        };
+        if matches!(instruction.mnemonic.as_str(), "pop" | "ldm") {
+            self.0
+                .retain(|register, _| !instruction.registers.contains(register));
+        }
     }
 }
 
