@@ -116,16 +116,22 @@ impl Tree {
         )
     }
 
-    /// What a random ray that meets the whole costs, but for a factor: in tests of objects, if the areas
-    /// of the bounds are those of `areas` and testing both bounds of a node costs `node_cost`.
+    /// What a random ray that meets the box round all objects costs, but for a factor: in tests of
+    /// objects, if the areas of the bounds are those of `areas` and testing both bounds of a node
+    /// costs `node_cost`.
     pub fn cost(&self, areas: impl Iterator<Item = [f64; 2]>, node_cost: f32) -> f64 {
-        let pairs = self.nodes.iter().flatten().zip(areas.flatten());
-        pairs
-            .map(|(branch, area)| match branch.link.objects() {
-                Some(objects) => area * objects.len() as f64,
-                None => area * f64::from(node_cost),
-            })
-            .sum()
+        let node_cost = f64::from(node_cost);
+        let [a, b] = self.nodes[0];
+        let size = (a.max.max(b.max) - a.min.min(b.min)).as_dvec3();
+        let whole = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
+        let branches = self.nodes.iter().flatten().zip(areas.flatten());
+        branches.fold(whole * node_cost, |cost, (branch, area)| {
+            cost + area
+                * branch
+                    .link
+                    .objects()
+                    .map_or(node_cost, |it| it.len() as f64)
+        })
     }
 
     /// The box with its margin.

@@ -1,0 +1,830 @@
+//! Scenes as Rust modules of `static`s, for firmware.
+//!
+//! A module's types name what the scene uses and nothing else: the kinds of its objects, the terms of
+//! its materials, whether lights cast shadows, how deep light is followed. Its numbers are the ones
+//! that are rendered with here, to the bit, and so are its pictures.
+
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap};
+use std::fmt::Write;
+use std::mem::size_of;
+
+use whitted::hierarchy::{Aabb, Ball, Child, Node};
+use whitted::{
+    Camera, Cuboid, Frustum, Glass, Light, Mirror, Object, Patch, Phong, Plane, Polygon, Sphere,
+    Triangle, Vec3, View,
+};
+
+use crate::hierarchy::{Bounded, FLAT, Settings, Tree};
+use crate::scene::{self, HostScene, Material};
+
+/// A scene as Rust source.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Module {
+    /// The source. It needs the `whitted` crate alone.
+    pub text: String,
+    /// Each array's name, and its bytes where a pointer has 4.
+    pub bytes: Vec<(String, usize)>,
+}
+
+impl Module {
+    /// Bytes of all arrays. The code that renders them comes on top.
+    pub fn flash(&self) -> usize {
+        self.bytes.iter().map(|it| it.1).sum()
+    }
+}
+
+/// Writes a scene as Rust source, with the camera and the size of a view if there is one.
+pub fn bake(scene: &HostScene<'_>, view: Option<&View>) -> Module {
+    let mut baker = Baker::default();
+    macro_rules! each_kind {
+        ($objects:ident => $use:expr) => {{
+            let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, frusta)))))) =
+                scene.geometry();
+            each_kind!($objects => $use; spheres planes polygons triangles patches cuboids frusta);
+        }};
+        ($objects:ident => $use:expr; $($kind:ident)*) => {
+            $({
+                let $objects = $kind;
+                $use;
+            })*
+        };
+    }
+    each_kind!(objects => baker.terms.note(objects));
+    each_kind!(objects => baker.objects(objects));
+    baker.materials();
+    baker.lights(scene.scene().lights);
+    baker.finish(scene, view)
+}
+
+/// What a pointer or a length has on the targets.
+const WORD: usize = 4;
+const VECTOR: usize = size_of::<Vec3>();
+/// What a waiting ray takes of the stack at most, as [`whitted::Tracer`] says.
+const WAITING_RAY: usize = 48;
+/// What a waiting box takes, as [`whitted::Hierarchy`] says.
+const WAITING_BOX: usize = 8;
+
+/// The terms that the materials of the objects have.
+#[derive(Default)]
+struct Terms {
+    shines: bool,
+    has_real_exponents: bool,
+    reflects: bool,
+    transmits: bool,
+}
+
+impl Terms {
+    fn note<S>(&mut self, objects: &[Object<'_, S, Material>]) {
+        for Object { material, .. } in objects {
+            let highlight = &material.highlight;
+            if highlight.specular > 0.0 {
+                self.shines = true;
+                self.has_real_exponents |= highlight.shininess as u32 as f32 != highlight.shininess;
+            }
+            self.reflects |= material.reflection.reflectance > 0.0;
+            self.transmits |= material.transmission.transmittance > 0.0;
+        }
+    }
+
+    fn highlight(&self) -> Option<&'static str> {
+        match (self.shines, self.has_real_exponents) {
+            (false, _) => None,
+            (true, false) => Some("Phong"),
+            (true, true) => Some("PhongReal"),
+        }
+    }
+
+    fn reflection(&self) -> Option<&'static str> {
+        self.reflects.then_some("Mirror")
+    }
+
+    fn transmission(&self) -> Option<&'static str> {
+        self.transmits.then_some("Glass")
+    }
+
+    /// The material's type, without the terms at its end that nothing has.
+    fn material(&self) -> String {
+        let terms = [self.highlight(), self.reflection(), self.transmission()];
+        let count = 3 - terms.iter().rev().take_while(|it| it.is_none()).count();
+        let named: Vec<_> = terms[..count].iter().map(|it| it.unwrap_or("()")).collect();
+        match named[..] {
+            [] => "Material".to_owned(),
+            _ => format!("Material<{}>", named.join(", ")),
+        }
+    }
+
+    /// Of one material.
+    fn bytes(&self) -> usize {
+        let mut bytes = size_of::<whitted::Material>();
+        if self.shines {
+            bytes += size_of::<Phong>();
+        }
+        if self.reflects {
+            bytes += size_of::<Mirror>();
+        }
+        if self.transmits {
+            bytes += size_of::<Glass>();
+        }
+        bytes
+    }
+
+    /// A material's source.
+    fn source(&self, material: &Material) -> String {
+        let highlight = match self.highlight() {
+            None => "()".to_owned(),
+            Some(kind) => {
+                let specular = material.highlight.specular;
+                // Nothing asks for the exponent of a highlight that is not there.
+                let shininess = if specular > 0.0 {
+                    material.highlight.shininess
+                } else {
+                    1.0
+                };
+                let shininess = match kind {
+                    "Phong" => (shininess as u32).to_string(),
+                    _ => number(shininess),
+                };
+                let specular = number(specular);
+                format!("{kind} {{ specular: {specular}, shininess: {shininess} }}")
+            }
+        };
+        let reflection = match self.reflection() {
+            None => "()".to_owned(),
+            Some(kind) => {
+                let reflectance = number(material.reflection.reflectance);
+                format!("{kind} {{ reflectance: {reflectance} }}")
+            }
+        };
+        let transmission = match self.transmission() {
+            None => "()".to_owned(),
+            Some(kind) => {
+                let Glass { transmittance, ior } = material.transmission;
+                let (transmittance, ior) = (number(transmittance), number(ior));
+                format!("{kind} {{ transmittance: {transmittance}, ior: {ior} }}")
+            }
+        };
+        format!(
+            "Material {{ color: {}, ambient: {}, diffuse: {}, highlight: {highlight}, reflection: \
+             {reflection}, transmission: {transmission} }}",
+            vector(material.color),
+            number(material.ambient),
+            number(material.diffuse),
+        )
+    }
+}
+
+/// A kind of shape, as it is named in the source.
+trait Kind {
+    /// The type.
+    const TYPE: &'static str;
+    /// The start of its arrays' names.
+    const NAME: &'static str;
+    /// The type of all its objects.
+    const ALL: &'static str;
+    /// Bytes of one, but for what it points to.
+    const BYTES: usize;
+
+    /// Its source.
+    fn source(&self) -> String;
+
+    /// Bytes of what it points to.
+    fn bytes_elsewhere(&self) -> usize {
+        0
+    }
+
+    /// A hierarchy of such shapes, where that pays.
+    fn hierarchy(_: &[Object<'_, Self, Material>]) -> Option<Baked>
+    where
+        Self: Sized,
+    {
+        None
+    }
+}
+
+/// A hierarchy as it is put into flash.
+struct Baked {
+    tree: Tree,
+    nodes: Nodes,
+}
+
+enum Nodes {
+    Boxes(Vec<Node<Aabb>>),
+    Balls(Vec<Node<Ball>>),
+}
+
+/// Instructions of a Cortex-M4F for both bounds of a node and what follows from them.
+const BOX_NODE_COST: f32 = 120.0;
+const BALL_NODE_COST: f32 = 85.0;
+
+/// The hierarchy over some objects that is expected to take the least instructions of a Cortex-M4F, of
+/// which one object takes `object_cost`; `None` where the plain slice takes fewer.
+fn hierarchy<S: Bounded>(objects: &[Object<'_, S, Material>], object_cost: f32) -> Option<Baked> {
+    if objects.len() <= FLAT {
+        return None;
+    }
+    let bounds: Vec<_> = objects.iter().map(|it| it.shape.bounds()).collect();
+    let least_depth = objects.len().next_power_of_two().ilog2() as usize;
+    let tree = |node_cost: f32| {
+        let settings = Settings {
+            node_cost: node_cost / object_cost,
+            leaf: 16,
+            depth: least_depth + 4,
+        };
+        Tree::new(&bounds, settings)
+    };
+    let tree_of_boxes = tree(BOX_NODE_COST)?;
+    let boxes = tree_of_boxes.boxes();
+    let areas = boxes.iter().map(|it| it.0.map(|it| box_area(&it.bound)));
+    let cost_of_boxes = tree_of_boxes.cost(areas, BOX_NODE_COST / object_cost);
+    let tree_of_balls = tree(BALL_NODE_COST)?;
+    if let Some(balls) = tree_of_balls.balls(|place| objects[place].shape.balls()) {
+        let areas = balls.iter().map(|it| it.0.map(|it| ball_area(&it.bound)));
+        if tree_of_balls.cost(areas, BALL_NODE_COST / object_cost) < cost_of_boxes {
+            return Some(Baked {
+                tree: tree_of_balls,
+                nodes: Nodes::Balls(balls),
+            });
+        }
+    }
+    Some(Baked {
+        tree: tree_of_boxes,
+        nodes: Nodes::Boxes(boxes),
+    })
+}
+
+fn box_area(bound: &Aabb) -> f64 {
+    let [x, y, z] = bound.half.map(f64::from);
+    8.0 * (x * y + y * z + z * x)
+}
+
+fn ball_area(bound: &Ball) -> f64 {
+    4.0 * std::f64::consts::PI * f64::from(bound.radius).powi(2)
+}
+
+impl Kind for Sphere {
+    const TYPE: &'static str = "Sphere";
+    const NAME: &'static str = "SPHERE";
+    const ALL: &'static str = "Spheres";
+    const BYTES: usize = size_of::<Self>();
+
+    fn source(&self) -> String {
+        let (center, radius) = (vector(self.center), number(self.radius));
+        format!("Sphere {{ center: {center}, radius: {radius} }}")
+    }
+
+    fn hierarchy(objects: &[Object<'_, Self, Material>]) -> Option<Baked> {
+        hierarchy(objects, 30.0)
+    }
+}
+
+impl Kind for Plane {
+    const TYPE: &'static str = "Plane";
+    const NAME: &'static str = "PLANE";
+    const ALL: &'static str = "Planes";
+    const BYTES: usize = size_of::<Self>();
+
+    fn source(&self) -> String {
+        let (point, normal) = (vector(self.point), vector(self.normal));
+        format!("Plane {{ point: {point}, normal: {normal} }}")
+    }
+}
+
+impl Kind for Polygon<'_> {
+    const TYPE: &'static str = "Polygon<'static>";
+    const NAME: &'static str = "POLYGON";
+    const ALL: &'static str = "Polygons";
+    const BYTES: usize = 2 * WORD + VECTOR;
+
+    fn source(&self) -> String {
+        let (vertices, normal) = (vectors(self.vertices), vector(self.normal));
+        format!("Polygon {{ vertices: &{vertices}, normal: {normal} }}")
+    }
+
+    fn bytes_elsewhere(&self) -> usize {
+        self.vertices.len() * VECTOR
+    }
+
+    fn hierarchy(objects: &[Object<'_, Self, Material>]) -> Option<Baked> {
+        let vertices: usize = objects.iter().map(|it| it.shape.vertices.len()).sum();
+        let vertices_each = vertices as f32 / objects.len().max(1) as f32;
+        hierarchy(objects, 30.0 + 25.0 * vertices_each)
+    }
+}
+
+impl Kind for Triangle {
+    const TYPE: &'static str = "Triangle";
+    const NAME: &'static str = "TRIANGLE";
+    const ALL: &'static str = "Triangles";
+    const BYTES: usize = size_of::<Self>();
+
+    fn source(&self) -> String {
+        let (vertices, normal) = (vectors(&self.vertices), vector(self.normal));
+        format!("Triangle {{ vertices: {vertices}, normal: {normal} }}")
+    }
+
+    fn hierarchy(objects: &[Object<'_, Self, Material>]) -> Option<Baked> {
+        hierarchy(objects, 90.0)
+    }
+}
+
+impl Kind for Patch {
+    const TYPE: &'static str = "Patch";
+    const NAME: &'static str = "PATCH";
+    const ALL: &'static str = "Patches";
+    const BYTES: usize = size_of::<Self>();
+
+    fn source(&self) -> String {
+        let [vertices, normals] = [&self.vertices, &self.normals].map(|it| vectors(it));
+        let normal = vector(self.normal);
+        format!("Patch {{ vertices: {vertices}, normals: {normals}, normal: {normal} }}")
+    }
+
+    fn hierarchy(objects: &[Object<'_, Self, Material>]) -> Option<Baked> {
+        hierarchy(objects, 90.0)
+    }
+}
+
+impl Kind for Cuboid {
+    const TYPE: &'static str = "Cuboid";
+    const NAME: &'static str = "CUBOID";
+    const ALL: &'static str = "Cuboids";
+    const BYTES: usize = size_of::<Self>();
+
+    fn source(&self) -> String {
+        let (min, max) = (vector(self.min), vector(self.max));
+        format!("Cuboid {{ min: {min}, max: {max} }}")
+    }
+
+    fn hierarchy(objects: &[Object<'_, Self, Material>]) -> Option<Baked> {
+        hierarchy(objects, 60.0)
+    }
+}
+
+impl Kind for Frustum {
+    const TYPE: &'static str = "Frustum";
+    const NAME: &'static str = "FRUSTUM";
+    const ALL: &'static str = "Frusta";
+    const BYTES: usize = size_of::<Self>();
+
+    fn source(&self) -> String {
+        let Self {
+            base,
+            axis,
+            length,
+            base_radius,
+            slope,
+        } = *self;
+        let ([base, axis], [length, base_radius, slope]) = (
+            [base, axis].map(vector),
+            [length, base_radius, slope].map(number),
+        );
+        format!(
+            "Frustum {{ base: {base}, axis: {axis}, length: {length}, base_radius: {base_radius}, \
+             slope: {slope} }}"
+        )
+    }
+
+    fn hierarchy(objects: &[Object<'_, Self, Material>]) -> Option<Baked> {
+        hierarchy(objects, 100.0)
+    }
+}
+
+/// A number that reads back to the same bits: the shortest.
+fn number(x: f32) -> String {
+    debug_assert!(x.is_finite(), "scenes are made of finite numbers");
+    format!("{x:?}")
+}
+
+fn vector(v: Vec3) -> String {
+    let [x, y, z] = v.to_array().map(number);
+    format!("v({x}, {y}, {z})")
+}
+
+fn vectors(vectors: &[Vec3]) -> String {
+    let all: Vec<_> = vectors.iter().copied().map(vector).collect();
+    format!("[{}]", all.join(", "))
+}
+
+/// One kind's part of the geometry.
+struct Part {
+    /// Its type's name.
+    name: &'static str,
+    /// Its type.
+    definition: String,
+    value: String,
+    /// Of the part itself, where a pointer has 4.
+    bytes: usize,
+}
+
+/// The module while it is written.
+#[derive(Default)]
+struct Baker {
+    terms: Terms,
+    /// Of the `whitted` crate.
+    imports: BTreeSet<&'static str>,
+    parts: Vec<Part>,
+    /// Different ones, as source.
+    materials: Vec<String>,
+    known_materials: HashMap<String, usize>,
+    /// What hierarchies are made of.
+    bounds: BTreeSet<&'static str>,
+    /// The longest path through any tree; 0 without trees.
+    tree_depth: usize,
+    light: &'static str,
+    /// What comes after the scene itself.
+    items: String,
+    bytes: Vec<(String, usize)>,
+}
+
+/// Adds lines to a string.
+macro_rules! lines {
+    ($text:expr, $($format:tt)*) => {
+        // A string takes everything.
+        let _ = writeln!($text, $($format)*);
+    };
+}
+
+impl Baker {
+    fn import(&mut self, names: &[&'static str]) {
+        self.imports.extend(names);
+    }
+
+    /// The material's place among the different ones.
+    fn material(&mut self, material: &Material) -> usize {
+        let source = self.terms.source(material);
+        let next = self.materials.len();
+        match self.known_materials.entry(source) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(new) => {
+                self.materials.push(new.key().clone());
+                *new.insert(next)
+            }
+        }
+    }
+
+    /// Adds an array of `count` elements, which may share lines.
+    fn array(&mut self, name: &str, kind: &str, count: usize, bytes: usize, elements: &[String]) {
+        self.bytes.push((name.to_owned(), bytes));
+        lines!(self.items, "\n#[rustfmt::skip]");
+        lines!(self.items, "#[allow(clippy::approx_constant)]");
+        lines!(self.items, "static {name}: [{kind}; {count}] = [");
+        for line in elements {
+            lines!(self.items, "    {line},");
+        }
+        lines!(self.items, "];");
+    }
+
+    /// Adds an array of whole numbers.
+    fn numbers(&mut self, name: &str, (kind, size): (&str, usize), numbers: &[u32]) {
+        let lines: Vec<_> = numbers
+            .chunks(16)
+            .map(|it| it.iter().map(u32::to_string).collect::<Vec<_>>().join(", "))
+            .collect();
+        self.array(name, kind, numbers.len(), numbers.len() * size, &lines);
+    }
+
+    /// Adds all objects of a kind.
+    fn objects<S: Kind>(&mut self, objects: &[Object<'_, S, Material>]) {
+        if objects.is_empty() {
+            return;
+        }
+        self.import(&["Object", S::TYPE.trim_end_matches("<'static>")]);
+        let sources: Vec<_> = objects
+            .iter()
+            .map(|Object { shape, material }| {
+                let (shape, material) = (shape.source(), self.material(material));
+                format!("Object {{ shape: {shape}, material: &MATERIALS[{material}] }}")
+            })
+            .collect();
+        let elsewhere: usize = objects.iter().map(|it| it.shape.bytes_elsewhere()).sum();
+        let bytes = objects.len() * (S::BYTES + WORD) + elsewhere;
+        let array = S::ALL.to_uppercase();
+        let kind = format!("Object<'static, {}, SceneMaterial>", S::TYPE);
+        match S::hierarchy(objects) {
+            None => {
+                self.import(&["Objects"]);
+                self.array(&array, &kind, sources.len(), bytes, &sources);
+                self.parts.push(Part {
+                    name: S::ALL,
+                    definition: format!("Objects<{}, SceneMaterial>", S::TYPE),
+                    value: format!("&{array}"),
+                    bytes: 2 * WORD,
+                });
+            }
+            Some(baked) => {
+                let place = |&it: &u32| sources[it as usize].clone();
+                let sources: Vec<_> = baked.tree.places.iter().map(place).collect();
+                self.array(&array, &kind, sources.len(), bytes, &sources);
+                self.hierarchy::<S>(&array, &baked);
+            }
+        }
+    }
+
+    /// Adds a hierarchy over the array of this name.
+    fn hierarchy<S: Kind>(&mut self, array: &str, Baked { tree, nodes }: &Baked) {
+        self.import(&["Hierarchy"]);
+        self.tree_depth = self.tree_depth.max(tree.depth);
+        let bound = match nodes {
+            Nodes::Boxes(nodes) => {
+                self.nodes::<S, _>("Aabb", nodes, |it| {
+                    format!("c({:?}, {:?}", it.center, it.half)
+                });
+                "Aabb"
+            }
+            Nodes::Balls(nodes) => {
+                self.nodes::<S, _>("Ball", nodes, |it| {
+                    format!("b({}, {}", vector(it.center), number(it.radius))
+                });
+                "Ball"
+            }
+        };
+        let index = match tree.places.len() {
+            0..=0x100 => ("u8", 1),
+            0..=0x1_0000 => ("u16", 2),
+            _ => ("usize", WORD),
+        };
+        self.numbers(&format!("{}_PLACES", S::NAME), index, &tree.places);
+        self.numbers(&format!("{}_SLOTS", S::NAME), index, &tree.slots());
+        let (name, kind, slack) = (S::NAME, S::ALL, number(tree.slack));
+        let arrays = format!("&{name}_NODES, &{array}, &{name}_PLACES, &{name}_SLOTS, {slack}");
+        lines!(self.items, "\n#[rustfmt::skip]");
+        lines!(
+            self.items,
+            "const {name}_TREE: {kind} = match Hierarchy::new({arrays}) {{"
+        );
+        lines!(self.items, "    Ok(tree) => tree,");
+        lines!(
+            self.items,
+            "    Err(_) => panic!(\"the arrays do not make a tree\"),"
+        );
+        lines!(self.items, "}};");
+        let (shape, index) = (S::TYPE, index.0);
+        self.parts.push(Part {
+            name: S::ALL,
+            definition: format!(
+                "Hierarchy<'static, {shape}, SceneMaterial, {bound}, TREE_DEPTH, {index}>"
+            ),
+            value: format!("{name}_TREE"),
+            bytes: 9 * WORD,
+        });
+    }
+
+    /// Adds the nodes of a hierarchy; `source` is that of a bound, up to its link.
+    fn nodes<S: Kind, B>(
+        &mut self,
+        bound: &'static str,
+        nodes: &[Node<B>],
+        source: impl Fn(&B) -> String,
+    ) {
+        self.bounds.insert(bound);
+        let child = |it: &Child<B>| format!("{}, {:#x})", source(&it.bound), it.link.bits());
+        let node = |Node([a, b]): &Node<B>| format!("Node([{}, {}])", child(a), child(b));
+        let sources: Vec<_> = nodes.iter().map(node).collect();
+        let (name, kind) = (format!("{}_NODES", S::NAME), format!("Node<{bound}>"));
+        self.array(&name, &kind, nodes.len(), size_of_val(nodes), &sources);
+    }
+
+    /// Adds the materials that objects have named.
+    fn materials(&mut self) {
+        self.import(&["Material"]);
+        let terms = [
+            self.terms.highlight(),
+            self.terms.reflection(),
+            self.terms.transmission(),
+        ];
+        self.imports.extend(terms.into_iter().flatten());
+        let materials = std::mem::take(&mut self.materials);
+        if !materials.is_empty() {
+            let bytes = materials.len() * self.terms.bytes();
+            let count = materials.len();
+            self.array("MATERIALS", "SceneMaterial", count, bytes, &materials);
+        }
+    }
+
+    fn lights(&mut self, lights: &[scene::Light]) {
+        let with_shadows = lights.iter().filter(|it| it.shadows).count();
+        let mixed = with_shadows > 0 && with_shadows < lights.len();
+        let (kind, size) = if mixed {
+            self.import(&["LightSource"]);
+            ("Lamp", size_of::<Light>() + WORD)
+        } else if with_shadows > 0 {
+            self.import(&["Light"]);
+            ("Light", size_of::<Light>())
+        } else {
+            self.import(&["FillLight"]);
+            ("FillLight", size_of::<Light>())
+        };
+        self.light = kind;
+        let source = |it: &scene::Light| {
+            let (position, color) = (vector(it.position), vector(it.color));
+            let shadows = if mixed {
+                format!(", shadows: {}", it.shadows)
+            } else {
+                String::new()
+            };
+            format!("{kind} {{ position: {position}, color: {color}{shadows} }}")
+        };
+        let sources: Vec<_> = lights.iter().map(source).collect();
+        self.array("LIGHTS", kind, lights.len(), lights.len() * size, &sources);
+        if mixed {
+            self.items.push_str(LAMP);
+        }
+    }
+
+    /// The whole module.
+    fn finish(mut self, scene: &HostScene<'_>, view: Option<&View>) -> Module {
+        if self.parts.is_empty() {
+            self.import(&["Objects", "Sphere"]);
+            self.parts.push(Part {
+                name: "Nothing",
+                definition: "Objects<Sphere, SceneMaterial>".to_owned(),
+                value: "&[]".to_owned(),
+                bytes: 2 * WORD,
+            });
+        }
+        self.import(&["Scene", "Vec3"]);
+        let parts_bytes: usize = self.parts.iter().map(|it| it.bytes).sum();
+        let scene_bytes = parts_bytes + 2 * WORD + 2 * VECTOR;
+        self.bytes.insert(0, ("SCENE".to_owned(), scene_bytes));
+        let file = scene.file();
+        let depth = if self.terms.reflects || self.terms.transmits {
+            file.depth
+        } else {
+            1
+        };
+        let mut text = self.header(scene, depth);
+
+        if view.is_some() {
+            self.import(&["Camera", "View"]);
+        }
+        lines!(text, "");
+        for name in &self.imports {
+            lines!(text, "use whitted::{name};");
+        }
+        if self.tree_depth > 0 {
+            let bounds: Vec<_> = self.bounds.iter().copied().collect();
+            let bounds = bounds.join(", ");
+            lines!(
+                text,
+                "use whitted::hierarchy::{{{bounds}, Child, Link, Node}};"
+            );
+        }
+        let pair = |inner: String, outer: &str| format!("({outer}, {inner})");
+        let nested = |item: fn(&Part) -> &str| {
+            let mut parts = self.parts.iter().rev().map(item);
+            let last = parts.next().unwrap_or_default().to_owned();
+            parts.fold(last, pair)
+        };
+        let scene = scene.scene();
+        let (background, ambient) = (vector(scene.background), vector(scene.ambient));
+        lines!(text, "\n/// The scene.");
+        let types = format!("Scene<'static, SceneGeometry, {}>", self.light);
+        lines!(text, "#[rustfmt::skip]");
+        lines!(text, "pub static SCENE: {types} = Scene {{");
+        lines!(text, "    geometry: {},", nested(|it| &it.value));
+        lines!(text, "    lights: &LIGHTS,");
+        lines!(text, "    background: {background},");
+        lines!(text, "    ambient: {ambient},");
+        lines!(text, "}};");
+        if let Some(view) = view {
+            let Camera {
+                eye,
+                corner,
+                right,
+                down,
+            } = view.camera;
+            lines!(text, "\n/// The camera, and the size of the picture.");
+            lines!(text, "#[allow(clippy::approx_constant)]");
+            lines!(text, "pub const VIEW: View = View {{");
+            lines!(text, "    camera: Camera {{");
+            lines!(text, "        eye: {},", vector(eye));
+            lines!(text, "        corner: {},", vector(corner));
+            lines!(text, "        right: {},", vector(right));
+            lines!(text, "        down: {},", vector(down));
+            lines!(text, "    }},");
+            lines!(text, "    width: {},", view.width);
+            lines!(text, "    height: {},", view.height);
+            lines!(text, "}};");
+        }
+        lines!(
+            text,
+            "\n/// Longest chain of rays, the eye ray counted as 1."
+        );
+        lines!(text, "pub const DEPTH: usize = {depth};");
+        lines!(
+            text,
+            "\n/// Lengths here, times 2 to this power, are those of the scene file."
+        );
+        let exponent = file.scale().exponent;
+        lines!(text, "pub const SCALE_EXPONENT: i32 = {exponent};");
+        lines!(text, "\n/// What all objects are made of.");
+        lines!(text, "pub type SceneMaterial = {};", self.terms.material());
+        lines!(text, "\n/// All objects.");
+        lines!(text, "pub type SceneGeometry = {};", nested(|it| it.name));
+        lines!(text, "");
+        for part in &self.parts {
+            lines!(text, "type {} = {};", part.name, part.definition);
+        }
+        text.push_str(VECTOR_HELPER);
+        if self.tree_depth > 0 {
+            lines!(text, "\n/// Most nodes on the way to an object.");
+            lines!(text, "const TREE_DEPTH: usize = {};", self.tree_depth);
+        }
+        if self.bounds.contains("Aabb") {
+            text.push_str(BOX_HELPER);
+        }
+        if self.bounds.contains("Ball") {
+            text.push_str(BALL_HELPER);
+        }
+        text.push_str(&self.items);
+        Module {
+            text,
+            bytes: self.bytes,
+        }
+    }
+
+    /// What it is, and what it takes.
+    fn header(&self, scene: &HostScene<'_>, depth: usize) -> String {
+        let mut text = String::new();
+        let path = &scene.file().path;
+        let name = path
+            .file_name()
+            .unwrap_or(path.as_os_str())
+            .to_string_lossy();
+        // A name can hold anything, also the end of a line.
+        let name: String = name.chars().filter(|it| !it.is_control()).collect();
+        lines!(text, "// {name} as data for firmware, by `whitted bake`.");
+        lines!(text, "//");
+        lines!(
+            text,
+            "// Bytes of flash where a pointer has 4, code not counted:"
+        );
+        lines!(text, "//");
+        for (name, bytes) in &self.bytes {
+            lines!(text, "//   {name:16} {bytes:8}");
+        }
+        let flash: usize = self.bytes.iter().map(|it| it.1).sum();
+        lines!(text, "//   {:16} {flash:8}", "together");
+        let rays = if depth > 1 { depth } else { 0 };
+        let boxes = self.tree_depth;
+        lines!(text, "//");
+        lines!(
+            text,
+            "// Bytes of stack, at most, beside those of calls and registers:"
+        );
+        lines!(text, "//");
+        lines!(text, "//   {rays:2} waiting rays  {:8}", rays * WAITING_RAY);
+        lines!(
+            text,
+            "//   {boxes:2} waiting boxes {:8}",
+            boxes * WAITING_BOX
+        );
+        text
+    }
+}
+
+const VECTOR_HELPER: &str = "
+const fn v(x: f32, y: f32, z: f32) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+";
+
+const BOX_HELPER: &str = "
+const fn c(center: [f32; 3], half: [f32; 3], link: u32) -> Child<Aabb> {
+    let bound = Aabb { center, half };
+    let link = Link::from_bits(link);
+    Child { bound, link }
+}
+";
+
+const BALL_HELPER: &str = "
+const fn b(center: Vec3, radius: f32, link: u32) -> Child<Ball> {
+    let bound = Ball { center, radius };
+    let link = Link::from_bits(link);
+    Child { bound, link }
+}
+";
+
+const LAMP: &str = "
+/// A point light that casts shadows or not.
+pub struct Lamp {
+    position: Vec3,
+    color: Vec3,
+    shadows: bool,
+}
+
+impl LightSource for Lamp {
+    fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    fn color(&self) -> Vec3 {
+        self.color
+    }
+
+    fn casts_shadows(&self) -> bool {
+        self.shadows
+    }
+}
+";
