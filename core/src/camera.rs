@@ -26,7 +26,7 @@ pub struct Camera {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CameraError {
-    /// A number is not finite, or so large that its square is not.
+    /// A number is not finite, or so large that its square is not, or a corner of the picture so far.
     NotFinite,
     /// The eye and the target are one point, or too close to tell the direction.
     NoDirection,
@@ -37,7 +37,8 @@ pub enum CameraError {
     /// The picture has no width or no height: the aspect ratio is not above 0, `left` is not less than
     /// `right`, or `bottom` not less than `top`.
     NoExtent,
-    /// The image plane is not in front of the eye.
+    /// The image plane is not in front of the eye, or so near that the square of its distance is not a
+    /// normal number.
     Distance,
 }
 
@@ -117,12 +118,13 @@ impl Camera {
             return Err(CameraError::NoExtent);
         }
         let (right, up) = (basis.right * half_width, basis.up * tan_half_fov);
-        Ok(Self {
+        Self {
             eye,
             corner: basis.forward - right + up,
             right: right * 2.0,
             down: up * -2.0,
-        })
+        }
+        .checked()
     }
 
     /// A camera as [`look_at`](Self::look_at), with the picture from `left` to `right` and from
@@ -151,15 +153,28 @@ impl Camera {
         if !(right > left && top > bottom) {
             return Err(CameraError::NoExtent);
         }
-        if !(distance > 0.0) {
+        if !(distance > 0.0 && distance * distance >= f32::MIN_POSITIVE) {
             return Err(CameraError::Distance);
         }
-        Ok(Self {
+        Self {
             eye,
             corner: basis.forward * distance + basis.right * left + basis.up * top,
             right: basis.right * (right - left),
             down: basis.up * (bottom - top),
-        })
+        }
+        .checked()
+    }
+
+    /// A camera all of whose rays have a direction: the farthest of the picture's points are its
+    /// corners.
+    fn checked(self) -> Result<Self, CameraError> {
+        let (left, right) = (self.corner, self.corner + self.right);
+        for corner in [left, right, left + self.down, right + self.down] {
+            if !corner.length_squared().is_finite() {
+                return Err(CameraError::NotFinite);
+            }
+        }
+        Ok(self)
     }
 }
 
@@ -284,6 +299,11 @@ mod tests {
                 Some(NoExtent),
             ),
             (
+                "no end to the sides",
+                look(EYE, Vec3::ZERO, Vec3::Y, 0.5, 1e20),
+                Some(NotFinite),
+            ),
+            (
                 "eye nowhere",
                 look(Vec3::NAN, Vec3::ZERO, Vec3::Y, 0.5, 1.0),
                 Some(NotFinite),
@@ -303,7 +323,9 @@ mod tests {
         assert_eq!(frustum(1.0, 1.0, -1.0, 1.0, 2.0), Some(NoExtent));
         assert_eq!(frustum(-1.0, 1.0, 1.0, -1.0, 2.0), Some(NoExtent));
         assert_eq!(frustum(-1.0, 1.0, -1.0, 1.0, 0.0), Some(Distance));
+        assert_eq!(frustum(-1.0, 1.0, -1.0, 1.0, 1e-20), Some(Distance));
         assert_eq!(frustum(-1.0, 1.0, -1.0, f32::NAN, 1.0), Some(NotFinite));
+        assert_eq!(frustum(-1.0, 1e20, -1.0, 1.0, 1.0), Some(NotFinite));
     }
 
     #[test]

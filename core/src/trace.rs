@@ -193,7 +193,8 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 (Some(child), None) | (None, Some(child)) => child,
                 (None, None) => match waiting.pop() {
                     Some(path) => path,
-                    None => return radiance,
+                    // Materials and lights may bring what is not a number; a picture has none.
+                    None => return radiance.map(math::positive),
                 },
             };
             (ray, throughput, depth) = (path.ray(), path.throughput, path.depth);
