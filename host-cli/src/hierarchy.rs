@@ -18,11 +18,22 @@ pub use bounds::{Bounded, Bounds};
 /// instructions on a Cortex-M4F (see the chart in `tests/charts`).
 pub const FLAT: usize = 8;
 
+/// What casting a ray costs, in any unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Costs {
+    /// To prepare it.
+    pub ray: f32,
+    /// To test both bounds of a node, and to go on.
+    pub node: f32,
+    /// To test an object.
+    pub object: f32,
+}
+
 /// What a tree is built for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// What it costs to test both bounds of a node, in tests of objects.
-    pub node_cost: f32,
+    /// What it is to keep low.
+    pub costs: Costs,
     /// Most objects of a leaf, at most [`Link::MAX_COUNT`].
     pub leaf: usize,
     /// Most nodes on the way to an object. Trees are deeper only where there are too many objects.
@@ -116,21 +127,17 @@ impl Tree {
         )
     }
 
-    /// What a random ray that meets the box round all objects costs, but for a factor: in tests of
-    /// objects, if the areas of the bounds are those of `areas` and testing both bounds of a node
-    /// costs `node_cost`.
-    pub fn cost(&self, areas: impl Iterator<Item = [f64; 2]>, node_cost: f32) -> f64 {
-        let node_cost = f64::from(node_cost);
+    /// What a random ray that meets the box round all objects costs, but for a factor, if the areas of
+    /// the bounds are those of `areas`.
+    pub fn cost(&self, areas: impl Iterator<Item = [f64; 2]>, costs: Costs) -> f64 {
+        let [ray, node, object] = [costs.ray, costs.node, costs.object].map(f64::from);
         let [a, b] = self.nodes[0];
         let size = (a.max.max(b.max) - a.min.min(b.min)).as_dvec3();
         let whole = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
         let branches = self.nodes.iter().flatten().zip(areas.flatten());
-        branches.fold(whole * node_cost, |cost, (branch, area)| {
-            cost + area
-                * branch
-                    .link
-                    .objects()
-                    .map_or(node_cost, |it| it.len() as f64)
+        branches.fold(whole * (ray + node), |cost, (branch, area)| {
+            let inside = branch.link.objects();
+            cost + area * inside.map_or(node, |it| it.len() as f64 * object)
         })
     }
 

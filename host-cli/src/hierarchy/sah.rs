@@ -21,7 +21,11 @@ pub fn build(bounds: &[Bounds], settings: Settings) -> (Vec<[Branch; 2]>, Vec<u3
         depth: 0,
     };
     let all = Group::new(0..bounds.len(), &builder.boxes);
-    let split = Split::best(&builder.boxes, &all, settings.node_cost);
+    let split = Split::best(
+        &builder.boxes,
+        &all,
+        settings.costs.node / settings.costs.object,
+    );
     builder.node(&all, split, 1);
     (builder.nodes, builder.places, builder.depth)
 }
@@ -116,7 +120,11 @@ impl Builder {
     fn link(&mut self, group: &Group, depth: usize) -> Link {
         let count = group.range.len();
         let boxes = &self.boxes[group.range.clone()];
-        let split = Split::best(boxes, group, self.settings.node_cost);
+        let split = Split::best(
+            boxes,
+            group,
+            self.settings.costs.node / self.settings.costs.object,
+        );
         let whole = count as f32 * group.bounds.area();
         let pays = split.as_ref().is_some_and(|it| it.cost < whole);
         if count <= self.settings.leaf && !(pays && depth < self.settings.depth) {
