@@ -350,7 +350,8 @@ mod tests {
             vertices: [DVec3::ZERO, DVec3::X, DVec3::Y],
             normals: [DVec3::Z; 3],
         };
-        let cases: [(&str, Shape, [f64; 3], DVec3, &[f64]); 18] = [
+        type Case<'a> = (&'a str, Shape, [f64; 3], DVec3, &'a [f64]);
+        let cases: [Case; 18] = [
             ("sphere", ball(1.0), [0., 0., 3.], DOWN, &[2.0, 4.0]),
             ("sphere from within", ball(1.0), [0.; 3], DOWN, &[-1.0, 1.0]),
             ("sphere touched", ball(1.0), [1., 0., 3.], DOWN, &[3.0, 3.0]),
