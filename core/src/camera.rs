@@ -32,7 +32,8 @@ pub enum CameraError {
     NoDirection,
     /// `up` is zero or, to within 2^-20 of its length, along the view.
     UpAlongView,
-    /// The tangent of half the field of view is not between 0 and 2^20, both excluded.
+    /// The tangent of half the field of view, upwards or sideways, is not between 0 and 2^20, both
+    /// excluded; of a frustum, of any of its four parts.
     FieldOfView,
     /// The picture has no width or no height: the aspect ratio is not above 0, `left` is not less than
     /// `right`, or `bottom` not less than `top`.
@@ -93,6 +94,9 @@ impl Basis {
     }
 }
 
+/// Tangents of half a field of view are less.
+const WIDEST: f32 = (1 << 20) as f32;
+
 impl Camera {
     /// A camera at `eye` that looks at `target`, with `up` towards the picture's top.
     ///
@@ -110,21 +114,23 @@ impl Camera {
         aspect: f32,
     ) -> Result<Self, CameraError> {
         let basis = Basis::new(eye, target, up)?;
-        if !(tan_half_fov > 0.0 && tan_half_fov < 1_048_576.0) {
+        if !(tan_half_fov > 0.0 && tan_half_fov < WIDEST) {
             return Err(CameraError::FieldOfView);
         }
         let half_width = tan_half_fov * aspect;
-        if !(half_width > 0.0 && half_width < f32::INFINITY) {
+        if !(half_width > 0.0) {
             return Err(CameraError::NoExtent);
         }
+        if !(half_width < WIDEST) {
+            return Err(CameraError::FieldOfView);
+        }
         let (right, up) = (basis.right * half_width, basis.up * tan_half_fov);
-        Self {
+        Ok(Self {
             eye,
             corner: basis.forward - right + up,
             right: right * 2.0,
             down: up * -2.0,
-        }
-        .checked()
+        })
     }
 
     /// A camera as [`look_at`](Self::look_at), with the picture from `left` to `right` and from
@@ -156,25 +162,23 @@ impl Camera {
         if !(distance > 0.0 && distance * distance >= f32::MIN_POSITIVE) {
             return Err(CameraError::Distance);
         }
-        Self {
+        let widest = WIDEST * distance;
+        if !bounds[..4].iter().all(|edge| edge.abs() < widest) {
+            return Err(CameraError::FieldOfView);
+        }
+        let camera = Self {
             eye,
             corner: basis.forward * distance + basis.right * left + basis.up * top,
             right: basis.right * (right - left),
             down: basis.up * (bottom - top),
+        };
+        // The farthest of the picture's points are its corners.
+        let (left, right) = (camera.corner, camera.corner + camera.right);
+        let corners = [left, right, left + camera.down, right + camera.down];
+        if !corners.iter().all(|it| it.length_squared().is_finite()) {
+            return Err(CameraError::NotFinite);
         }
-        .checked()
-    }
-
-    /// A camera all of whose rays have a direction: the farthest of the picture's points are its
-    /// corners.
-    fn checked(self) -> Result<Self, CameraError> {
-        let (left, right) = (self.corner, self.corner + self.right);
-        for corner in [left, right, left + self.down, right + self.down] {
-            if !corner.length_squared().is_finite() {
-                return Err(CameraError::NotFinite);
-            }
-        }
-        Ok(self)
+        Ok(camera)
     }
 }
 
@@ -301,7 +305,7 @@ mod tests {
             (
                 "no end to the sides",
                 look(EYE, Vec3::ZERO, Vec3::Y, 0.5, 1e20),
-                Some(NotFinite),
+                Some(FieldOfView),
             ),
             (
                 "eye nowhere",
@@ -325,7 +329,8 @@ mod tests {
         assert_eq!(frustum(-1.0, 1.0, -1.0, 1.0, 0.0), Some(Distance));
         assert_eq!(frustum(-1.0, 1.0, -1.0, 1.0, 1e-20), Some(Distance));
         assert_eq!(frustum(-1.0, 1.0, -1.0, f32::NAN, 1.0), Some(NotFinite));
-        assert_eq!(frustum(-1.0, 1e20, -1.0, 1.0, 1.0), Some(NotFinite));
+        assert_eq!(frustum(-1.0, 1e20, -1.0, 1.0, 1.0), Some(FieldOfView));
+        assert_eq!(frustum(-1e20, 1e20, -1e20, 1e20, 1e20), Some(NotFinite));
     }
 
     #[test]
