@@ -358,7 +358,7 @@ fn a_glass_ball_turns_what_is_behind_it_upside_down() {
 const CHECKSUMS: [(&str, u64, u64); 2] = [
     (
         "../host-cli/scenes/builtin.toml",
-        0xa459_54d0_b4f4_66cb,
+        0x0e62_75d6_9794_65ae,
         0xf622_5f29_115e_dea9,
     ),
     (

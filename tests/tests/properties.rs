@@ -863,7 +863,7 @@ proptest! {
     }
 
     #[test]
-    fn constructors_refuse_what_is_no_shape(rubble in rubble(), tan in bits(), aspect in bits()) {
+    fn constructors_refuse_what_is_no_shape(rubble in rubble()) {
         let is_unit = |v: Vec3| (v.length() - 1.0).abs() < 1e-6;
         if let Ok(it) = Sphere::new(rubble.sphere.center, rubble.sphere.radius) {
             prop_assert!(it.center.is_finite() && it.radius.is_finite() && it.radius != 0.0);
@@ -885,11 +885,23 @@ proptest! {
         if let Ok(it) = Frustum::new(ends[0], radii[0], ends[1], radii[1]) {
             prop_assert!(is_unit(it.axis) && it.length > 0.0 && it.slope.is_finite());
         }
-        let [eye, target, up] = rubble.triangle.vertices;
-        if let Ok(camera) = Camera::look_at(eye, target, up, tan, aspect) {
-            let view = View { camera, width: 3, height: 3 };
-            for ray in (0..3).flat_map(|row| view.rays(row)) {
-                prop_assert!(is_unit(ray.direction), "{camera:?}: {}", ray.direction);
+    }
+
+    #[test]
+    fn cameras_that_are_accepted_give_every_pixel_a_direction(
+        any in [vector(), vector(), vector()],
+        [tan, aspect] in [bits(), bits()],
+        [left, right, bottom, top, distance] in [bits(), bits(), bits(), bits(), bits()],
+    ) {
+        for [eye, target, up] in [any, [Vec3::ZERO, Vec3::NEG_Z, Vec3::Y]] {
+            let look = Camera::look_at(eye, target, up, tan, aspect);
+            let window = Camera::frustum(eye, target, up, left, right, bottom, top, distance);
+            for camera in [look, window].into_iter().flatten() {
+                let view = View { camera, width: 3, height: 3 };
+                for ray in (0..3).flat_map(|row| view.rays(row)) {
+                    let length = ray.direction.length();
+                    prop_assert!((length - 1.0).abs() < 1e-6, "{camera:?}: {}", ray.direction);
+                }
             }
         }
     }
