@@ -127,7 +127,8 @@ pub fn of_outline(vertices: &[Vec3], normal: Vec3) -> Option<Bounds> {
     let &point = vertices.first()?;
     let bounds = Bounds::of(vertices);
     let reach = bounds.reach();
-    if !((normal.length_squared() - 1.0).abs() < ROUNDING) {
+    let unit = (normal.length_squared() - 1.0).abs() < ROUNDING;
+    if !(unit && vertices.iter().all(|it| it.is_finite())) {
         return None;
     }
     // How far the vertices are off the plane that gives the distance.
