@@ -135,9 +135,9 @@ pub struct Node<B>(pub [Child<B>; 2]);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
     /// In world space.
-    pub center: [f32; 3],
+    pub center: Vec3,
     /// From the center to the faces, and the slack times the greatest coordinate in the box.
-    pub half: [f32; 3],
+    pub half: Vec3,
 }
 
 /// A ball, for shapes that are [`Solid`].
@@ -181,8 +181,7 @@ pub struct BoxProbe {
     margin: Vec3,
     /// To which the ray is closest.
     axis: Axis,
-    /// The origin's coordinate there, the ray's distance for each step along the axis, and its size.
-    start: f32,
+    /// How far the ray goes for each step along the axis, and the size of that.
     rate: f32,
     rate_size: f32,
     /// Of distances along the axis.
@@ -203,12 +202,12 @@ impl<S: Shape> Bound<S> for Aabb {
     fn probe(ray: &Ray, slack: f32) -> BoxProbe {
         let (o, d) = (ray.origin, ray.direction);
         let a = d.abs();
-        let (axis, start, speed) = if a.x > a.y && a.x > a.z {
-            (Axis::X, o.x, d.x)
+        let (axis, speed) = if a.x > a.y && a.x > a.z {
+            (Axis::X, d.x)
         } else if a.y > a.z {
-            (Axis::Y, o.y, d.y)
+            (Axis::Y, d.y)
         } else {
-            (Axis::Z, o.z, d.z)
+            (Axis::Z, d.z)
         };
         let rate = 1.0 / speed;
         let margin = slack * math::max_component(o.abs());
@@ -220,7 +219,6 @@ impl<S: Shape> Bound<S> for Aabb {
             // Products that leave the normal range round by more than a share of themselves.
             margin: across * margin + Vec3::splat(f32::MIN_POSITIVE),
             axis,
-            start,
             rate,
             rate_size: rate.abs(),
             margin_along: margin,
@@ -232,8 +230,7 @@ impl<S: Shape> Bound<S> for Aabb {
     /// directions along an axis are like any other.
     #[inline(always)]
     fn enter(&self, probe: &BoxProbe, t_max: f32) -> Option<f32> {
-        let m = Vec3::from_array(self.center) - probe.origin;
-        let h = Vec3::from_array(self.half);
+        let (m, h) = (self.center - probe.origin, self.half);
         let (d, a, e) = (probe.direction, probe.magnitude, probe.margin);
         // All of these are also false for NaN, with which nothing is met.
         if !((m.y * d.z - m.z * d.y).abs() <= h.y * a.z + h.z * a.y + e.x) {
@@ -245,8 +242,13 @@ impl<S: Shape> Bound<S> for Aabb {
         if !((m.x * d.y - m.y * d.x).abs() <= h.x * a.y + h.y * a.x + e.z) {
             return None;
         }
-        let middle = (self.center[probe.axis as usize] - probe.start) * probe.rate;
-        let reach = (self.half[probe.axis as usize] + probe.margin_along) * probe.rate_size;
+        let (m, h) = match probe.axis {
+            Axis::X => (m.x, h.x),
+            Axis::Y => (m.y, h.y),
+            Axis::Z => (m.z, h.z),
+        };
+        let middle = m * probe.rate;
+        let reach = (h + probe.margin_along) * probe.rate_size;
         let near = middle - reach;
         if near <= t_max && middle + reach >= 0.0 {
             Some(near)

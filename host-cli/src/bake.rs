@@ -255,7 +255,7 @@ const BOX_INSTRUCTIONS: (f32, f32) = (70.0, 130.0);
 const BALL_INSTRUCTIONS: (f32, f32) = (25.0, 95.0);
 
 fn box_area(bound: &Aabb) -> f64 {
-    let [x, y, z] = bound.half.map(f64::from);
+    let [x, y, z] = bound.half.to_array().map(f64::from);
     8.0 * (x * y + y * z + z * x)
 }
 
@@ -529,7 +529,7 @@ impl Baker {
         let bound = match nodes {
             Nodes::Boxes(nodes) => {
                 self.nodes::<S, _>("Aabb", nodes, |it| {
-                    format!("c({:?}, {:?}", it.center, it.half)
+                    format!("c({}, {}", vector(it.center), vector(it.half))
                 });
                 "Aabb"
             }
@@ -792,7 +792,7 @@ const fn v(x: f32, y: f32, z: f32) -> Vec3 {
 ";
 
 const BOX_HELPER: &str = "
-const fn c(center: [f32; 3], half: [f32; 3], link: u32) -> Child<Aabb> {
+const fn c(center: Vec3, half: Vec3, link: u32) -> Child<Aabb> {
     let bound = Aabb { center, half };
     let link = Link::from_bits(link);
     Child { bound, link }

@@ -148,9 +148,9 @@ impl Tree {
         let margin = f64::from(self.slack) * min.abs().max(max.abs()).max_element();
         let half = (max - center.as_dvec3()).max(center.as_dvec3() - min) + margin;
         Aabb {
-            center: center.to_array(),
+            center,
             // Rounding to nearest may have gone down.
-            half: half.as_vec3().to_array().map(f32::next_up),
+            half: half.as_vec3().map(f32::next_up),
         }
     }
 

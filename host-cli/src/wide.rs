@@ -52,6 +52,7 @@ pub struct Wide<'a, M> {
     search: Search,
     /// Whether the lanes take every ray.
     takes_any_ray: bool,
+    has_cuboids: bool,
 }
 
 /// A tree, and the instructions that it is for.
@@ -113,6 +114,7 @@ impl<'a, M: Finish> Wide<'a, M> {
             loose,
             search: tree.search(),
             takes_any_ray: tree.takes_any_ray(),
+            has_cuboids: !parts.cuboids.objects.is_empty(),
             tree,
         }
     }
@@ -190,7 +192,17 @@ impl<M> Wide<'_, M> {
     /// Whether the lanes give the kernels' own answer.
     #[inline(always)]
     fn takes<P: Math>(&self, ray: &Ray) -> bool {
-        TypeId::of::<P>() == TypeId::of::<Exact>() && (self.takes_any_ray || is_regular(ray))
+        TypeId::of::<P>() == TypeId::of::<Exact>() && (self.takes_any_ray || self.takes_this(ray))
+    }
+
+    #[inline(always)]
+    fn takes_this(&self, ray: &Ray) -> bool {
+        // Boxes are met by products with reciprocals, which are not to be infinite times zero.
+        const LEAST: f32 = 4.0 / f32::MAX;
+        let invertible = |x: f32| x == 0.0 || x.abs() > LEAST;
+        let d = ray.direction;
+        is_regular(ray)
+            && (!self.has_cuboids || invertible(d.x) && invertible(d.y) && invertible(d.z))
     }
 
     /// Objects that the lanes leave out: those in no block, and the one that the ray leaves.

@@ -354,6 +354,16 @@ mod tests {
                 rectangle(0.5, 0.0, 1.0, 1.0),
                 true,
             ),
+            (
+                "a third of it, edge on edge",
+                rectangle(0.7, 0.0, 1.0, 1.0),
+                true,
+            ),
+            (
+                "across, off all middles",
+                rectangle(-5.0, 0.42, 6.5, 0.05),
+                true,
+            ),
             ("within", rectangle(0.4, 0.4, 0.1, 0.1), true),
             ("across", rectangle(-1.0, 0.4, 3.0, 0.1), true),
             ("a diamond", diamond.to_vec(), true),

@@ -134,7 +134,7 @@ impl NodeTerms {
     #[inline(always)]
     pub fn new(ray: &Ray, slack: f32) -> Self {
         let (o, d) = (ray.origin, ray.direction);
-        let slack = slack * o.abs().max_element();
+        let slack = slack * reach(ray);
         Self {
             x: SlabTerms::new(o.x, d.x, slack),
             y: SlabTerms::new(o.y, d.y, slack),
@@ -144,17 +144,19 @@ impl NodeTerms {
     }
 }
 
+/// At least the greatest coordinate of a ray's origin.
+#[inline(always)]
+fn reach(ray: &Ray) -> f32 {
+    let size = ray.origin.abs();
+    size.x + size.y + size.z
+}
+
 impl SlabTerms {
     #[inline(always)]
     fn new(origin: f32, direction: f32, slack: f32) -> Self {
         // In a direction of which there is next to nothing, the ray stays between two planes or
         // outside of them, for all distances that occur.
-        const FLATTEST: f32 = 1.0 / FAR;
-        let reciprocal = if direction.abs() < FLATTEST {
-            FAR.copysign(direction)
-        } else {
-            1.0 / direction
-        };
+        let reciprocal = (1.0 / direction).clamp(-FAR, FAR);
         let (start, moved) = (origin * reciprocal, reciprocal.abs() * slack);
         Self {
             down: reciprocal < 0.0,
@@ -181,17 +183,10 @@ impl SlabTerms {
     }
 }
 
-/// Whether boxes decide rightly about a ray: its direction has unit length, and its numbers are
-/// neither beyond the range of products nor, where they are not zero, of reciprocals.
+/// Whether boxes decide rightly about a ray: its direction has unit length, and its origin is within
+/// the range of products.
 #[inline(always)]
 pub fn is_regular(ray: &Ray) -> bool {
-    let (o, d) = (ray.origin.abs(), ray.direction.abs());
-    let unit = (d.length_squared() - 1.0).abs() < ROUNDING;
-    let invertible = |x: f32| x == 0.0 || x > 1.0 / (f32::MAX / 4.0);
     // Also false for NaN.
-    unit && o.max_element() < FAR
-        && o.x + o.y + o.z < f32::INFINITY
-        && invertible(d.x)
-        && invertible(d.y)
-        && invertible(d.z)
+    (ray.direction.length_squared() - 1.0).abs() < ROUNDING && reach(ray) < FAR
 }

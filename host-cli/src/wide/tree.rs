@@ -1,5 +1,7 @@
 //! A scene's blocks and the hierarchy over them; none where there are few.
 
+use core::hint::black_box;
+
 use fearless_simd::{Simd, SimdBase, f32x8, f32x16};
 use heapless::Vec as Stack;
 use whitted::math::Transmittance;
@@ -17,7 +19,7 @@ use super::rays::{Needs, RayTerms};
 pub const FLAT: usize = 64;
 
 /// How many boxes may wait on the way down a tree.
-const WAITING: usize = 512;
+const WAITING: usize = 384;
 
 /// The vector whose lanes are as many as a tree's blocks have.
 pub trait Vector<S: Simd> {
@@ -216,9 +218,12 @@ impl<const N: usize> Tree<N> {
             return false;
         }
         let boxes = NodeTerms::new(ray, self.slack);
+        // The terms stay in memory, from where lanes are loaded for nothing: in vectors, they would take
+        // the registers of the boxes' terms.
+        let terms = black_box(&terms);
         let mut waiting = Stack::<(f32, Child), WAITING>::new();
         let mut next = Child::node(0);
-        loop {
+        'search: loop {
             match next.content() {
                 Content::Node(index) => {
                     let node = &self.nodes[index];
@@ -229,28 +234,35 @@ impl<const N: usize> Tree<N> {
                             node.meet::<S, _, false>(simd, &boxes, limit)
                         };
                     if met != 0 {
-                        if met & (met - 1) == 0 {
-                            next = node.children[met.trailing_zeros() as usize % N];
+                        // The nearest is next, the others wait.
+                        let lane = met.trailing_zeros() as usize % N;
+                        next = node.children[lane];
+                        met &= met - 1;
+                        if met == 0 {
                             continue;
                         }
                         let mut entries = [0.0; N];
                         if ORDERED {
                             entry.store_slice(&mut entries);
                         }
-                        let start = waiting.len();
-                        while met != 0 {
+                        let mut nearest = entries[lane];
+                        loop {
                             let lane = met.trailing_zeros() as usize % N;
                             met &= met - 1;
-                            let fits = waiting.push((entries[lane], node.children[lane])).is_ok();
+                            let mut farther = (entries[lane], node.children[lane]);
+                            if ORDERED && farther.0 < nearest {
+                                (farther, (nearest, next)) = ((nearest, next), farther);
+                            }
+                            let fits = waiting.push(farther).is_ok();
                             debug_assert!(fits, "the tree was built for fewer");
-                            if ORDERED {
-                                settle(&mut waiting, start);
+                            if met == 0 {
+                                continue 'search;
                             }
                         }
                     }
                 }
                 Content::Block(kind, index) => {
-                    let found = blocks.meet(simd, kind, index, &terms, limit);
+                    let found = blocks.meet(simd, kind, index, terms, limit);
                     match visit.visit(found, limit) {
                         Some(nearer) => limit = nearer,
                         None => return true,
@@ -418,15 +430,3 @@ fn without<V, const N: usize>(found: &Found<'_, V, N>, left: u32) -> u32 {
 
 /// How many objects of a leaf the area heuristic is not asked about.
 const LEAF: usize = 8;
-
-/// Moves what waits last to its place among what waits from `start` on: the nearest comes last.
-#[inline(always)]
-fn settle(waiting: &mut [(f32, Child)], start: usize) {
-    let mut place = waiting.len() - 1;
-    let last = waiting[place];
-    while place > start && waiting[place - 1].0 < last.0 {
-        waiting[place] = waiting[place - 1];
-        place -= 1;
-    }
-    waiting[place] = last;
-}

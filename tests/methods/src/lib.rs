@@ -20,6 +20,7 @@ pub mod price;
 pub mod roots;
 pub mod secondary;
 pub mod sphere;
+pub mod triangle;
 
 /// A function that answers a stage's question, by name.
 #[derive(Clone, Copy, Debug)]

@@ -23,14 +23,14 @@ pub struct Setup {
 /// A ray's dominant axis and its slopes against it.
 #[derive(Clone, Copy, Debug)]
 pub struct Shear {
-    axis: Axis,
-    x: f32,
-    y: f32,
+    pub(crate) axis: Axis,
+    pub(crate) x: f32,
+    pub(crate) y: f32,
     z: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Axis {
+pub(crate) enum Axis {
     X,
     Y,
     Z,
@@ -101,7 +101,7 @@ pub fn setup_shear(ray: &Ray) -> Shear {
 }
 
 #[inline(always)]
-fn permute(axis: Axis, v: Vec3) -> Vec3 {
+pub(crate) fn permute(axis: Axis, v: Vec3) -> Vec3 {
     match axis {
         Axis::X => Vec3::new(v.y, v.z, v.x),
         Axis::Y => Vec3::new(v.z, v.x, v.y),
@@ -116,12 +116,17 @@ pub fn core(ray: &Ray, setup: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
 }
 
 #[inline(always)]
-fn plane(ray: &Ray, polygon: &Polygon<'_>) -> Option<f32> {
-    let rate = polygon.normal.dot(ray.direction);
+fn plane_of(ray: &Ray, polygon: &Polygon<'_>) -> Option<f32> {
+    plane(ray, *polygon.vertices.first()?, polygon.normal)
+}
+
+#[inline(always)]
+pub(crate) fn plane(ray: &Ray, point: Vec3, normal: Vec3) -> Option<f32> {
+    let rate = normal.dot(ray.direction);
     if rate == 0.0 {
         return None;
     }
-    ray.admitted(polygon.normal.dot(*polygon.vertices.first()? - ray.origin) / rate)
+    ray.admitted(normal.dot(point - ray.origin) / rate)
 }
 
 /// The outline's edges.
@@ -136,7 +141,7 @@ fn edges<'a>(polygon: &Polygon<'a>) -> impl Iterator<Item = (Vec3, Vec3)> + use<
 /// definition, as lecture slides have it.
 #[inline(never)]
 pub fn angles_acos(ray: &Ray, _: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
-    let t = plane(ray, polygon)?;
+    let t = plane_of(ray, polygon)?;
     let point = ray.at(t);
     let mut sum = 0.0;
     for (a, b) in edges(polygon) {
@@ -150,7 +155,7 @@ pub fn angles_acos(ray: &Ray, _: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
 /// The same with signs, so that outlines may be concave.
 #[inline(never)]
 pub fn angles_atan2(ray: &Ray, _: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
-    let t = plane(ray, polygon)?;
+    let t = plane_of(ray, polygon)?;
     let point = ray.at(t);
     let mut sum = 0.0;
     for (a, b) in edges(polygon) {
@@ -176,7 +181,7 @@ fn flatten(normal: Vec3) -> impl Fn(Vec3) -> (f32, f32) {
 /// Polygon Strategies", Graphics Gems IV (1994).
 #[inline(never)]
 pub fn crossings(ray: &Ray, _: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
-    let t = plane(ray, polygon)?;
+    let t = plane_of(ray, polygon)?;
     let flat = flatten(polygon.normal);
     let (x, y) = flat(ray.at(t));
     let mut inside = false;
@@ -193,7 +198,7 @@ pub fn crossings(ray: &Ray, _: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
 /// The winding number in the same projection: D. Sunday, "Inclusion of a Point in a Polygon" (2001).
 #[inline(never)]
 pub fn winding(ray: &Ray, _: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
-    let t = plane(ray, polygon)?;
+    let t = plane_of(ray, polygon)?;
     let flat = flatten(polygon.normal);
     let (x, y) = flat(ray.at(t));
     let mut winding = 0;
@@ -214,7 +219,7 @@ pub fn winding(ray: &Ray, _: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
 /// On the same side of all edges; convex outlines only.
 #[inline(never)]
 pub fn half_spaces(ray: &Ray, _: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
-    let t = plane(ray, polygon)?;
+    let t = plane_of(ray, polygon)?;
     let point = ray.at(t);
     let (mut left, mut right) = (true, true);
     for (a, b) in edges(polygon) {
@@ -237,7 +242,7 @@ pub fn pluecker(ray: &Ray, _: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
         right &= side <= 0.0;
     }
     if left || right {
-        plane(ray, polygon)
+        plane_of(ray, polygon)
     } else {
         None
     }
@@ -253,7 +258,7 @@ fn fan(polygon: &Polygon<'_>, triangle: impl Fn(Vec3, Vec3, Vec3) -> Option<f32>
 }
 
 #[inline(always)]
-fn moller_trumbore(ray: &Ray, [a, b, c]: [Vec3; 3], least: f32) -> Option<f32> {
+pub(crate) fn moller_trumbore(ray: &Ray, [a, b, c]: [Vec3; 3], least: f32) -> Option<f32> {
     let (edge1, edge2) = (b - a, c - a);
     let p = ray.direction.cross(edge2);
     let determinant = edge1.dot(p);
@@ -287,34 +292,41 @@ pub fn fan_moller_trumbore_epsilon(ray: &Ray, _: &Setup, polygon: &Polygon<'_>) 
     fan(polygon, |a, b, c| moller_trumbore(ray, [a, b, c], 1e-6))
 }
 
+/// Where a vertex is in the space in which the ray starts at 0 and goes along z.
+#[inline(always)]
+pub(crate) fn place(ray: &Ray, shear: &Shear, v: Vec3) -> Vec3 {
+    let v = permute(shear.axis, v - ray.origin);
+    Vec3::new(v.x - shear.x * v.z, v.y - shear.y * v.z, v.z)
+}
+
+#[inline(always)]
+pub(crate) fn woop(ray: &Ray, shear: &Shear, [a, b, c]: [Vec3; 3]) -> Option<f32> {
+    let u = c.x * b.y - c.y * b.x;
+    let v = a.x * c.y - a.y * c.x;
+    let w = b.x * a.y - b.y * a.x;
+    if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        return None;
+    }
+    let determinant = u + v + w;
+    if determinant == 0.0 {
+        return None;
+    }
+    ray.admitted(shear.z * (u * a.z + v * b.z + w * c.z) / determinant)
+}
+
 /// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, without the
 /// fallback to `f64`.
 #[inline(never)]
 pub fn fan_woop(ray: &Ray, setup: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
-    let shear = setup.shear;
-    let place = |v: Vec3| {
-        let v = permute(shear.axis, v - ray.origin);
-        Vec3::new(v.x - shear.x * v.z, v.y - shear.y * v.z, shear.z * v.z)
-    };
+    let place = |v: Vec3| place(ray, &setup.shear, v);
     fan(polygon, |a, b, c| {
-        let (a, b, c) = (place(a), place(b), place(c));
-        let u = c.x * b.y - c.y * b.x;
-        let v = a.x * c.y - a.y * c.x;
-        let w = b.x * a.y - b.y * a.x;
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
-        }
-        let determinant = u + v + w;
-        if determinant == 0.0 {
-            return None;
-        }
-        ray.admitted((u * a.z + v * b.z + w * c.z) / determinant)
+        woop(ray, &setup.shear, [place(a), place(b), place(c)])
     })
 }
 
 /// Whether an edge crosses the positive x half-axis, seen from its lower end.
 #[inline(always)]
-fn crosses(a: (f32, f32), b: (f32, f32)) -> bool {
+pub(crate) fn crosses(a: (f32, f32), b: (f32, f32)) -> bool {
     let above = a.1 >= 0.0;
     if above == (b.1 >= 0.0) {
         return false;
@@ -326,10 +338,9 @@ fn crosses(a: (f32, f32), b: (f32, f32)) -> bool {
 /// Even-odd crossings of the outline seen along the ray, sheared as Woop does, axes permuted.
 #[inline(never)]
 pub fn sheared(ray: &Ray, setup: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
-    let shear = setup.shear;
     let place = |v: Vec3| {
-        let v = permute(shear.axis, v - ray.origin);
-        (v.x - shear.x * v.z, v.y - shear.y * v.z)
+        let v = place(ray, &setup.shear, v);
+        (v.x, v.y)
     };
     let mut previous = place(*polygon.vertices.last()?);
     let mut inside = false;
@@ -338,7 +349,7 @@ pub fn sheared(ray: &Ray, setup: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
         inside ^= crosses(previous, current);
         previous = current;
     }
-    if inside { plane(ray, polygon) } else { None }
+    if inside { plane_of(ray, polygon) } else { None }
 }
 
 /// The same; a loop for each axis, x only for edges that cross the x axis, and sides told by the bits
@@ -351,13 +362,13 @@ pub fn sheared_lazy(ray: &Ray, setup: &Setup, polygon: &Polygon<'_>) -> Option<f
         Axis::Y => surrounds(ray, shear, vertices, |v| permute(Axis::Y, v)),
         Axis::Z => surrounds(ray, shear, vertices, |v| permute(Axis::Z, v)),
     };
-    if inside { plane(ray, polygon) } else { None }
+    if inside { plane_of(ray, polygon) } else { None }
 }
 
 /// The same; the plane's distance first.
 #[inline(never)]
 pub fn sheared_plane_first(ray: &Ray, setup: &Setup, polygon: &Polygon<'_>) -> Option<f32> {
-    let t = plane(ray, polygon)?;
+    let t = plane_of(ray, polygon)?;
     let (shear, vertices) = (&setup.shear, polygon.vertices);
     let inside = match shear.axis {
         Axis::X => surrounds(ray, shear, vertices, |v| permute(Axis::X, v)),
@@ -385,6 +396,8 @@ fn surrounds(ray: &Ray, shear: &Shear, vertices: &[Vec3], permute: impl Fn(Vec3)
     let mut a = last;
     let mut a_y = y(a);
     for &b in vertices {
+        // Or the loop is unrolled four times, for each axis: 2 KiB of flash, and slower for triangles.
+        core::hint::black_box(());
         let b_y = y(b);
         if ((a_y.to_bits() ^ b_y.to_bits()) as i32) < 0 {
             // Looked at from the lower end: both owners of an edge compare the same products alike.

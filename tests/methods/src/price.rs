@@ -12,11 +12,11 @@
 use core::hint::black_box;
 
 use glam::Vec3;
-use whitted::{Cuboid, Exact, Frustum, Math, Plane, Polygon, Ray, Sphere};
+use whitted::{Cuboid, Exact, Frustum, Math, Plane, Polygon, Ray, Sphere, Triangle};
 
 use crate::plane::PlaneForms;
 use crate::secondary::{Leaving, Start};
-use crate::{Method, cuboid, frustum, plane, polygon, power, roots, secondary, sphere};
+use crate::{Method, cuboid, frustum, plane, polygon, power, roots, secondary, sphere, triangle};
 
 /// Name of the method that is subtracted.
 pub const EMPTY: &str = "empty";
@@ -29,9 +29,9 @@ pub const CALLS: usize = 16;
 pub struct Entry {
     /// As in the charts: `sphere`, `polygon`, ….
     pub stage: &'static str,
-    /// Which inputs: `hit`, `miss`, `hexagon hit`, ….
+    /// Which inputs: `hit`, `miss`, ….
     pub case: &'static str,
-    /// As in the stage's table, or [`EMPTY`].
+    /// As in the stage's table, or [`EMPTY`], which comes before those from which it is subtracted.
     pub method: &'static str,
     /// How often it is called.
     pub calls: u32,
@@ -44,124 +44,44 @@ pub trait Meter {
 }
 
 /// Shows every method of every stage to `meter`, on inputs that depend on nothing.
+///
+/// The functions that this calls are not inlined: the inputs of all of them at once do not fit on the
+/// stack of a small part.
 pub fn all(meter: &mut impl Meter) {
     for case in ["hit", "miss"] {
-        let inputs = spheres(case == "hit");
-        for method in with_empty(sphere::METHODS, |_, _| None) {
-            price(
-                meter,
-                "sphere",
-                case,
-                &method,
-                &inputs,
-                |f, (ray, sphere)| f(ray, sphere).is_some(),
-            );
-        }
-        let inputs = cuboids(case == "hit");
-        for method in with_empty(cuboid::METHODS, |_, _, _| None) {
-            price(
-                meter,
-                "cuboid",
-                case,
-                &method,
-                &inputs,
-                |f, (ray, setup, cuboid)| f(ray, setup, cuboid).is_some(),
-            );
-        }
-        let inputs = frusta(case == "hit");
-        for method in with_empty(frustum::METHODS, |_, _| None) {
-            price(
-                meter,
-                "frustum",
-                case,
-                &method,
-                &inputs,
-                |f, (ray, frustum)| f(ray, frustum).is_some(),
-            );
-        }
+        let hit = case == "hit";
+        price_spheres(meter, case, hit);
+        price_triangles(meter, case, hit);
+        price_polygons(meter, case, hit);
+        price_cuboids(meter, case, hit);
+        price_frusta(meter, case, hit);
     }
-    let inputs = planes();
-    for method in with_empty(plane::METHODS, |_, _| None) {
-        price(
-            meter,
-            "plane",
-            "hit",
-            &method,
-            &inputs,
-            |f, (ray, plane)| f(ray, plane).is_some(),
-        );
-    }
-    for case in [
-        "triangle hit",
-        "triangle miss",
-        "hexagon hit",
-        "hexagon miss",
-    ] {
-        polygons(meter, case);
-    }
-    setups(meter);
-    let inputs = leavings();
-    let nothing = |leaving: &Leaving| Start {
-        origin: leaving.point,
-        t_min: 0.0,
-        skips: false,
-    };
-    for method in with_empty(secondary::METHODS, nothing) {
-        price(
-            meter,
-            "secondary",
-            "origin",
-            &method,
-            &inputs,
-            |f, leaving| f(leaving),
-        );
-    }
-    let mut random = Random(1);
-    let inputs: [f32; CALLS] = core::array::from_fn(|_| 1.0 + 9.0 * random.unit());
-    for method in with_empty(roots::SQRT, |x| x) {
-        price(meter, "sqrt", "", &method, &inputs, |f, x| f(*x));
-    }
-    for method in with_empty(roots::RSQRT, |x| x) {
-        price(meter, "rsqrt", "", &method, &inputs, |f, x| f(*x));
-    }
-    let inputs: [Vec3; CALLS] = core::array::from_fn(|_| random.vector() * 10.0);
-    for method in with_empty(roots::NORMALIZE, |v| v) {
-        price(meter, "normalize", "", &method, &inputs, |f, v| f(*v));
-    }
-    for (case, n) in [("n = 50", 50.0), ("n = 1000", 1000.0)] {
-        let inputs: [(f32, f32); CALLS] = core::array::from_fn(|_| (random.unit(), n));
-        for method in with_empty(power::WHOLE, |x, _| x) {
-            price(meter, "power", case, &method, &inputs, |f, (x, n)| {
-                f(*x, *n)
-            });
-        }
-    }
-    let inputs: [(f32, f32); CALLS] = core::array::from_fn(|_| (random.unit(), 50.5));
-    for method in with_empty(power::REAL, |x, _| x) {
-        price(
-            meter,
-            "power, real",
-            "n = 50.5",
-            &method,
-            &inputs,
-            |f, (x, n)| f(*x, *n),
-        );
-    }
+    price_planes(meter);
+    price_setups(meter);
+    price_secondary(meter);
+    price_roots(meter);
+    price_powers(meter);
 }
 
-fn with_empty<F: Copy>(methods: &[Method<F>], empty: F) -> impl Iterator<Item = Method<F>> {
-    let empty = Method {
-        name: EMPTY,
-        run: empty,
-    };
-    core::iter::once(empty).chain(methods.iter().copied())
+/// Shows the empty method, then all others.
+fn stage<F: Copy, I, O>(
+    meter: &mut impl Meter,
+    names: [&'static str; 2],
+    methods: &[Method<F>],
+    empty: F,
+    inputs: &[I; CALLS],
+    call: impl Fn(F, &I) -> O + Copy,
+) {
+    each(meter, names, &Method::new(EMPTY, empty), inputs, call);
+    for method in methods {
+        each(meter, names, method, inputs, call);
+    }
 }
 
 #[inline(never)]
-fn price<F: Copy, I, O>(
+fn each<F: Copy, I, O>(
     meter: &mut impl Meter,
-    stage: &'static str,
-    case: &'static str,
+    [stage, case]: [&'static str; 2],
     method: &Method<F>,
     inputs: &[I; CALLS],
     call: impl Fn(F, &I) -> O,
@@ -180,61 +100,118 @@ fn price<F: Copy, I, O>(
     });
 }
 
-fn polygons(meter: &mut impl Meter, case: &'static str) {
-    let corners = if case.starts_with("triangle") { 3 } else { 6 };
-    let outlines = outlines(corners, case.ends_with("hit"));
-    let inputs = outlines.each_ref().map(|(vertices, normal, ray)| {
-        let polygon = Polygon {
-            vertices: vertices.get(..corners).unwrap_or_default(),
-            normal: *normal,
-        };
-        (*ray, polygon::Setup::new(ray), polygon)
+#[inline(never)]
+fn price_spheres(meter: &mut impl Meter, case: &'static str, hit: bool) {
+    let (methods, inputs) = (sphere::METHODS, spheres(hit));
+    stage(meter, ["sphere", case], methods, |_, _| None, &inputs, |f, (ray, sphere)| {
+        f(ray, sphere).is_some()
     });
-    for method in with_empty(polygon::METHODS, |_, _, _| None) {
-        price(
-            meter,
-            "polygon",
-            case,
-            &method,
-            &inputs,
-            |f, (ray, setup, polygon)| f(ray, setup, polygon).is_some(),
-        );
-    }
 }
 
-/// What a ray costs once for all polygons or boxes.
-fn setups(meter: &mut impl Meter) {
-    #[inline(never)]
-    fn empty(ray: &Ray) -> Vec3 {
-        ray.direction
-    }
+#[inline(never)]
+fn price_triangles(meter: &mut impl Meter, case: &'static str, hit: bool) {
+    let inputs = outlines(3, hit).map(|([a, b, c, ..], normal, ray)| {
+        let vertices = [a, b, c];
+        let triangle = Triangle { vertices, normal };
+        (ray, polygon::Setup::new(&ray), triangle)
+    });
+    let (methods, empty) = (triangle::METHODS, |_: &_, _: &_, _: &_| None);
+    stage(meter, ["triangle", case], methods, empty, &inputs, |f, (ray, setup, triangle)| {
+        f(ray, setup, triangle).is_some()
+    });
+}
+
+#[inline(never)]
+fn price_polygons(meter: &mut impl Meter, case: &'static str, hit: bool) {
+    let outlines = outlines(6, hit);
+    let inputs = outlines.each_ref().map(|(vertices, normal, ray)| {
+        let (vertices, normal) = (vertices.as_slice(), *normal);
+        (*ray, polygon::Setup::new(ray), Polygon { vertices, normal })
+    });
+    let (methods, empty) = (polygon::METHODS, |_: &_, _: &_, _: &Polygon<'_>| None);
+    stage(meter, ["polygon", case], methods, empty, &inputs, |f, (ray, setup, polygon)| {
+        f(ray, setup, polygon).is_some()
+    });
+}
+
+#[inline(never)]
+fn price_cuboids(meter: &mut impl Meter, case: &'static str, hit: bool) {
+    let (methods, inputs) = (cuboid::METHODS, cuboids(hit));
+    let empty = |_: &_, _: &_, _: &_| None;
+    stage(meter, ["cuboid", case], methods, empty, &inputs, |f, (ray, setup, cuboid)| {
+        f(ray, setup, cuboid).is_some()
+    });
+}
+
+#[inline(never)]
+fn price_frusta(meter: &mut impl Meter, case: &'static str, hit: bool) {
+    let (methods, inputs) = (frustum::METHODS, frusta(hit));
+    stage(meter, ["frustum", case], methods, |_, _| None, &inputs, |f, (ray, frustum)| {
+        f(ray, frustum).is_some()
+    });
+}
+
+#[inline(never)]
+fn price_planes(meter: &mut impl Meter) {
+    let (methods, inputs) = (plane::METHODS, planes());
+    stage(meter, ["plane", "hit"], methods, |_, _| None, &inputs, |f, (ray, plane)| {
+        f(ray, plane).is_some()
+    });
+}
+
+/// What a ray costs once for all polygons or boxes. Each returns another type; of all of them a vector
+/// is subtracted.
+#[inline(never)]
+fn price_setups(meter: &mut impl Meter) {
     fn setup<T>(
         meter: &mut impl Meter,
         name: &'static str,
         run: fn(&Ray) -> T,
         inputs: &[Ray; CALLS],
     ) {
-        price(
-            meter,
-            "setup",
-            "",
-            &Method { name, run },
-            inputs,
-            |f, ray| f(ray),
-        );
+        let method = Method::new(name, run);
+        each(meter, ["setup", ""], &method, inputs, |f, ray| f(ray));
     }
     let mut random = Random(9);
     let inputs = core::array::from_fn(|_| Ray::new(Vec3::ZERO, random.direction()));
-    setup(meter, EMPTY, empty, &inputs);
+    setup(meter, EMPTY, |ray| ray.direction, &inputs);
+    setup(meter, "cuboid core", cuboid::setup_core, &inputs);
+    setup(meter, "cuboid reciprocal", cuboid::setup_reciprocal, &inputs);
     setup(meter, "polygon core", polygon::setup_core, &inputs);
     setup(meter, "polygon shear", polygon::setup_shear, &inputs);
-    setup(meter, "cuboid core", cuboid::setup_core, &inputs);
-    setup(
-        meter,
-        "cuboid reciprocal",
-        cuboid::setup_reciprocal,
-        &inputs,
-    );
+}
+
+#[inline(never)]
+fn price_secondary(meter: &mut impl Meter) {
+    let inputs = leavings();
+    let nothing = |leaving: &Leaving| Start {
+        origin: leaving.point,
+        t_min: 0.0,
+        skips: false,
+    };
+    let methods = secondary::METHODS;
+    stage(meter, ["secondary", ""], methods, nothing, &inputs, |f, leaving| f(leaving));
+}
+
+#[inline(never)]
+fn price_roots(meter: &mut impl Meter) {
+    let mut random = Random(1);
+    let inputs: [f32; CALLS] = core::array::from_fn(|_| 1.0 + 9.0 * random.unit());
+    stage(meter, ["sqrt", ""], roots::SQRT, |x| x, &inputs, |f, x| f(*x));
+    stage(meter, ["rsqrt", ""], roots::RSQRT, |x| x, &inputs, |f, x| f(*x));
+    let inputs: [Vec3; CALLS] = core::array::from_fn(|_| random.vector() * 10.0);
+    stage(meter, ["normalize", ""], roots::NORMALIZE, |v| v, &inputs, |f, v| f(*v));
+}
+
+#[inline(never)]
+fn price_powers(meter: &mut impl Meter) {
+    let mut random = Random(1);
+    let bases: [f32; CALLS] = core::array::from_fn(|_| random.unit());
+    for (case, n) in [("n = 50", 50.0), ("n = 1000", 1000.0)] {
+        stage(meter, ["power", case], power::WHOLE, |x, _| x, &bases, |f, x| f(*x, n));
+    }
+    let (methods, n) = (power::REAL, 50.5);
+    stage(meter, ["power, real", "n = 50.5"], methods, |x, _| x, &bases, |f, x| f(*x, n));
 }
 
 /// G. Marsaglia, "Xorshift RNGs", Journal of Statistical Software 8(14), 2003.

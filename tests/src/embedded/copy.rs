@@ -23,7 +23,7 @@ pub struct Body {
 }
 
 impl Copy {
-    /// Copies `core`, the firmware and the script.
+    /// Copies `core`, the firmware, what it is built from, and the script.
     ///
     /// # Errors
     ///
@@ -34,25 +34,25 @@ impl Copy {
             fs::remove_dir_all(&root)?;
         }
         let project = firmware::directory().join("../..");
-        for directory in ["core", "tests/firmware"] {
+        for directory in ["core", "tests/methods", "tests/firmware"] {
             copy_directory(&project.join(directory), &root.join(directory))?;
         }
         fs::copy(
             project.join("tests/embedded.sh"),
             root.join("tests/embedded.sh"),
         )?;
-        // The workspace is `core` alone here.
+        // Of the workspace only what the firmware is built from.
         let manifest = fs::read_to_string(project.join("Cargo.toml"))?;
-        let members = manifest.lines().map(|line| {
-            if line.starts_with("members") {
-                "members = [\"core\"]"
-            } else {
-                line
-            }
+        let lines = manifest
+            .lines()
+            .filter(|line| !line.starts_with("default-members"));
+        let lines = lines.map(|line| match line.split_once(" = ") {
+            Some(("members", _)) => "members = [\"core\", \"tests/methods\"]",
+            _ => line,
         });
         fs::write(
             root.join("Cargo.toml"),
-            members.collect::<Vec<_>>().join("\n"),
+            lines.collect::<Vec<_>>().join("\n"),
         )?;
         Ok(Self { root })
     }

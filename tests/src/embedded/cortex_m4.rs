@@ -273,3 +273,107 @@ fn set(name: &str) -> Registers {
         _ => 0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use object::Architecture;
+
+    use super::*;
+
+    /// Straight code that ran once.
+    fn cycles_of(code: &[u8]) -> Cycles {
+        let image = Image::of_code(Architecture::Arm, code);
+        let decoder = Decoder::new(&image).unwrap();
+        let (mut profile, mut address, mut previous) = (Profile::default(), 0, None);
+        while address < code.len() as u64 {
+            let place = decoder.at(address).unwrap().place;
+            profile.instructions.insert(place, 1);
+            if let Some(previous) = previous.replace(place) {
+                profile.steps.insert((previous, place), 1);
+            }
+            address += place.size;
+        }
+        total(&image, &profile).unwrap()
+    }
+
+    const ADD_S0: [u8; 4] = [0x30, 0xee, 0x81, 0x0a]; // vadd.f32 s0, s1, s2
+    const MULTIPLY_S0: [u8; 4] = [0x60, 0xee, 0x00, 0x1a]; // vmul.f32 s3, s0, s0
+    const ACCUMULATE_S0: [u8; 4] = [0x00, 0xee, 0xa2, 0x0a]; // vmla.f32 s0, s1, s5
+    const LOAD_R0: [u8; 2] = [0x08, 0x68]; // ldr r0, [r1]
+    const LOAD_R2: [u8; 2] = [0x4a, 0x68]; // ldr r2, [r1, #4]
+    const LOAD_BY_R0: [u8; 2] = [0x02, 0x68]; // ldr r2, [r0]
+    const STORE_R2: [u8; 2] = [0x8a, 0x60]; // str r2, [r1, #8]
+    const ADVANCE_R1: [u8; 2] = [0x04, 0x31]; // adds r1, #4
+
+    #[test]
+    fn single_instructions_cost_what_the_manual_says() {
+        let cases: [(&str, &[u8], u64); 15] = [
+            ("vadd.f32 s0, s1, s2", &ADD_S0, 1),
+            ("vmla.f32 s0, s1, s5", &ACCUMULATE_S0, 3),
+            ("vdiv.f32 s5, s3, s4", &[0xc1, 0xee, 0x82, 0x2a], 14),
+            ("vsqrt.f32 s0, s0", &[0xb1, 0xee, 0xc0, 0x0a], 14),
+            ("ldr r0, [r1]", &LOAD_R0, 2),
+            ("str r2, [r1, #8]", &STORE_R2, 1),
+            ("str r0, [r1, r2]", &[0x88, 0x50], 2),
+            ("push {r4-r7, lr}", &[0xf0, 0xb5], 6),
+            ("vpush {d8-d10}", &[0x2d, 0xed, 0x06, 0x8b], 7),
+            ("vldmia r0!, {s0-s3}", &[0xb0, 0xec, 0x04, 0x0a], 5),
+            ("vldr s0, [r0]", &[0x90, 0xed, 0x00, 0x0a], 2),
+            ("vmov r0, r1, d0", &[0x51, 0xec, 0x10, 0x0b], 2),
+            ("mla r0, r1, r2, r3", &[0x01, 0xfb, 0x02, 0x30], 2),
+            ("umull r0, r1, r2, r3", &[0xa2, 0xfb, 0x03, 0x01], 1),
+            ("adds r1, #4", &ADVANCE_R1, 1),
+        ];
+        for (name, code, cycles) in cases {
+            assert_eq!(cycles_of(code).total(), cycles, "{name}");
+        }
+    }
+
+    #[test]
+    fn neighbours_wait_for_each_other_and_overlap() {
+        let cases: [(&str, Vec<u8>, u64); 8] = [
+            ("a result that is needed", [ADD_S0, MULTIPLY_S0].concat(), 3),
+            (
+                "a result that is overwritten",
+                [MULTIPLY_S0, ADD_S0].concat(),
+                2,
+            ),
+            (
+                "a result that is added to",
+                [ADD_S0, ACCUMULATE_S0].concat(),
+                4,
+            ),
+            ("two loads", [LOAD_R0, LOAD_R2].concat(), 3),
+            (
+                "a load whose address was loaded",
+                [LOAD_R0, LOAD_BY_R0].concat(),
+                4,
+            ),
+            ("a load and a store", [LOAD_R0, STORE_R2].concat(), 3),
+            (
+                "a load whose address was computed",
+                [ADVANCE_R1, LOAD_R0].concat(),
+                4,
+            ),
+            ("three loads", [LOAD_R0, LOAD_R2, LOAD_R2].concat(), 4),
+        ];
+        for (name, code, cycles) in cases {
+            assert_eq!(cycles_of(&code).total(), cycles, "{name}");
+        }
+    }
+
+    #[test]
+    fn taken_branches_refill_the_pipeline() {
+        let image = Image::of_code(Architecture::Arm, &[0xfe, 0xe7]); // b to itself
+        let place = Place {
+            address: 0,
+            size: 2,
+        };
+        let profile = Profile {
+            calls: 1,
+            instructions: [(place, 10)].into(),
+            steps: [((place, place), 10)].into(),
+        };
+        assert_eq!(total(&image, &profile).unwrap().total(), 10 + 10 * REFILL);
+    }
+}

@@ -102,6 +102,25 @@ impl Image {
         })
     }
 
+    /// A program of one function, for tests.
+    #[cfg(test)]
+    pub(super) fn of_code(architecture: Architecture, code: &[u8]) -> Self {
+        let function = Function {
+            symbol: "code".to_owned(),
+            size: code.len() as u64,
+        };
+        Self {
+            path: PathBuf::from("test"),
+            architecture,
+            flash: code.len() as u64,
+            static_ram: 0,
+            functions: [(0, function)].into(),
+            sections: vec![(0, code.to_vec())],
+            text: code.to_vec(),
+            data_in_code: Vec::new(),
+        }
+    }
+
     /// Address of a function.
     ///
     /// # Errors

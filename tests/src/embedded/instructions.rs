@@ -50,6 +50,8 @@ pub enum Flow {
     UnknownJump,
     /// The caller.
     Return,
+    /// Nothing.
+    Stop,
 }
 
 impl fmt::Display for Instruction {
@@ -192,7 +194,7 @@ impl Instruction {
             ("ldr" | "mov" | "add", _) if self.registers.first().is_some_and(|to| to == "pc") => {
                 Flow::UnknownJump
             }
-            ("udf" | "trap", _) => Flow::Return,
+            ("udf" | "trap", _) => Flow::Stop,
             ("cbz" | "cbnz", Some(target)) => Flow::Branch(target),
             (mnemonic, Some(target)) if is_arm_branch(mnemonic) => Flow::Branch(target),
             _ => Flow::Next,
@@ -209,7 +211,8 @@ impl Instruction {
         match (self.mnemonic.as_str(), target) {
             ("jal", Some(target)) if first.is_empty() || links(first) => Flow::Call(target),
             ("j" | "jal", Some(target)) => Flow::Jump(target),
-            ("ret" | "mret" | "unimp", _) => Flow::Return,
+            ("ret" | "mret", _) => Flow::Return,
+            ("unimp", _) => Flow::Stop,
             ("jr", _) if first == "ra" => Flow::Return,
             ("jr", _) => Flow::UnknownJump,
             ("jalr", _) if self.registers.len() == 1 || links(first) => Flow::UnknownCall,
@@ -293,4 +296,110 @@ fn is_arm_branch(mnemonic: &str) -> bool {
     mnemonic
         .strip_prefix('b')
         .is_some_and(|condition| CONDITIONS.contains(&condition))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decode(architecture: Architecture, code: &[u8]) -> Instruction {
+        let image = Image::of_code(architecture, code);
+        Decoder::new(&image).unwrap().at(0).unwrap()
+    }
+
+    #[test]
+    fn thumb_moves_the_stack_pointer() {
+        let cases: [(&str, &[u8], Option<i64>); 14] = [
+            ("push {r4-r7, lr}", &[0xf0, 0xb5], Some(20)),
+            ("pop {r4-r7, pc}", &[0xf0, 0xbd], Some(-20)),
+            ("vpush {d8-d10}", &[0x2d, 0xed, 0x06, 0x8b], Some(24)),
+            ("vpop {d8-d10}", &[0xbd, 0xec, 0x06, 0x8b], Some(-24)),
+            (
+                "strd r0, r1, [sp, #-16]!",
+                &[0x6d, 0xe9, 0x04, 0x01],
+                Some(16),
+            ),
+            ("str r0, [sp, #-8]!", &[0x4d, 0xf8, 0x08, 0x0d], Some(8)),
+            ("ldr r0, [sp], #8", &[0x5d, 0xf8, 0x08, 0x0b], Some(-8)),
+            ("sub sp, #16", &[0x84, 0xb0], Some(16)),
+            ("sub.w sp, sp, #1024", &[0xad, 0xf5, 0x80, 0x6d], Some(1024)),
+            ("addw sp, sp, #4", &[0x0d, 0xf2, 0x04, 0x0d], Some(-4)),
+            ("stmdb sp!, {r4, r5}", &[0x2d, 0xe9, 0x30, 0x00], Some(8)),
+            ("str r2, [r1, #8]", &[0x8a, 0x60], Some(0)),
+            ("mov sp, r7", &[0xbd, 0x46], None),
+            ("sub.w sp, sp, r4", &[0xad, 0xeb, 0x04, 0x0d], None),
+        ];
+        for (name, code, growth) in cases {
+            let instruction = decode(Architecture::Arm, code);
+            assert_eq!(
+                instruction.stack_growth(Architecture::Arm),
+                growth,
+                "{name}: {instruction:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn thumb_flows() {
+        let cases: [(&str, &[u8], Flow); 9] = [
+            ("bl -84", &[0xff, 0xf7, 0xd4, 0xff], Flow::Call(0xffff_ffac)),
+            ("beq -88", &[0xd2, 0xd0], Flow::Branch(0xffff_ffa8)),
+            ("b +4", &[0x00, 0xe0], Flow::Jump(4)),
+            ("cbz r0, +8", &[0x10, 0xb1], Flow::Branch(8)),
+            ("blx r3", &[0x98, 0x47], Flow::UnknownCall),
+            ("bx lr", &[0x70, 0x47], Flow::Return),
+            ("pop {r4-r7, pc}", &[0xf0, 0xbd], Flow::Return),
+            ("tbb [pc, r0]", &[0xdf, 0xe8, 0x00, 0xf0], Flow::Table(1)),
+            ("bics r0, r1", &[0x88, 0x43], Flow::Next),
+        ];
+        for (name, code, flow) in cases {
+            let instruction = decode(Architecture::Arm, code);
+            assert_eq!(
+                instruction.flow(Architecture::Arm),
+                flow,
+                "{name}: {instruction:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn riscv_moves_the_stack_pointer_and_flows() {
+        let riscv = Architecture::Riscv32;
+        let cases: [(&str, &[u8], Option<i64>, Flow); 10] = [
+            (
+                "addi sp, sp, -16",
+                &[0x13, 0x01, 0x01, 0xff],
+                Some(16),
+                Flow::Next,
+            ),
+            ("c.addi sp, -16", &[0x41, 0x11], Some(16), Flow::Next),
+            ("c.addi16sp sp, 64", &[0x21, 0x61], Some(-64), Flow::Next),
+            ("c.swsp ra, 12(sp)", &[0x06, 0xc6], Some(0), Flow::Next),
+            (
+                "addi sp, s0, -16",
+                &[0x13, 0x01, 0x04, 0xff],
+                None,
+                Flow::Next,
+            ),
+            ("c.jal +240", &[0xc5, 0x28], Some(0), Flow::Call(240)),
+            ("ret", &[0x82, 0x80], Some(0), Flow::Return),
+            ("c.jr t1", &[0x02, 0x83], Some(0), Flow::UnknownJump),
+            ("c.jalr t1", &[0x02, 0x93], Some(0), Flow::UnknownCall),
+            (
+                "beq a0, a1, -26",
+                &[0xe3, 0x03, 0xb5, 0xfe],
+                Some(0),
+                Flow::Branch(0xffff_ffff_ffff_ffe6),
+            ),
+        ];
+        for (name, code, growth, flow) in cases {
+            let instruction = decode(riscv, code);
+            assert_eq!(
+                instruction.stack_growth(riscv),
+                growth,
+                "{name}: {instruction:?}"
+            );
+            assert_eq!(instruction.flow(riscv), flow, "{name}: {instruction:?}");
+        }
+    }
 }

@@ -112,15 +112,13 @@ impl Search<'_> {
             let Some(after) = after else {
                 bail!("{name} moves its stack pointer in an unknown way: {instruction}");
             };
-            values.update(&instruction, depth, self.image);
             walk.deepest = walk.deepest.max(after);
-            let targets = self.follow(&instruction, after, &inside, &mut walk)?;
-            if targets.is_empty()
-                && after != 0
-                && instruction.flow(self.image.architecture) == Flow::Return
-            {
+            let flow = values.resolve(&instruction, instruction.flow(self.image.architecture));
+            if flow == Flow::Return && after != 0 {
                 bail!("{name} returns with {after} bytes on the stack: {instruction}");
             }
+            let targets = self.follow(&instruction, flow, after, &inside, &mut walk)?;
+            values.update(&instruction, depth, self.image);
             waiting.extend(
                 targets
                     .into_iter()
@@ -134,12 +132,13 @@ impl Search<'_> {
     fn follow(
         &self,
         instruction: &Instruction,
+        flow: Flow,
         depth: u64,
         inside: &Range<u64>,
         walk: &mut Walk,
     ) -> Result<Vec<u64>> {
         let next = instruction.place.address + instruction.place.size;
-        Ok(match instruction.flow(self.image.architecture) {
+        Ok(match flow {
             Flow::Next => vec![next],
             Flow::Jump(target) => vec![target],
             Flow::Branch(target) => vec![target, next],
@@ -154,7 +153,7 @@ impl Search<'_> {
             Flow::Table(entry_size) => self.table(next, entry_size),
             Flow::UnknownCall => bail!("a call of an unknown function: {instruction}"),
             Flow::UnknownJump => bail!("a jump to an unknown place: {instruction}"),
-            Flow::Return => Vec::new(),
+            Flow::Return | Flow::Stop => Vec::new(),
         })
     }
 
@@ -178,8 +177,9 @@ impl Search<'_> {
     }
 }
 
-/// What is known of registers from which a stack pointer is computed: large frames of the Cortex-M0,
-/// whose instructions have room for small numbers only.
+/// What is known of registers from which a stack pointer or a called address is computed: large frames
+/// of the Cortex-M0, whose instructions have room for small numbers only, and calls on RISC-V, which
+/// add up their target in two instructions.
 #[derive(Clone, Debug, Default)]
 struct Values(BTreeMap<String, Value>);
 
@@ -207,6 +207,24 @@ impl Values {
         }
     }
 
+    /// Makes a known target of an unknown one where its register is known.
+    fn resolve(&self, instruction: &Instruction, flow: Flow) -> Flow {
+        let base = instruction
+            .address
+            .as_ref()
+            .map(|(base, _)| base)
+            .or(instruction.registers.last());
+        let Some(Value::Number(base)) = base.and_then(|base| self.0.get(base)) else {
+            return flow;
+        };
+        let target = (base + instruction.immediate.unwrap_or_default()) as u64;
+        match flow {
+            Flow::UnknownCall => Flow::Call(target),
+            Flow::UnknownJump => Flow::Jump(target),
+            flow => flow,
+        }
+    }
+
     fn update(&mut self, instruction: &Instruction, depth: u64, image: &Image) {
         let Some(target) = instruction.registers.first() else {
             return;
@@ -228,6 +246,10 @@ impl Values {
                     .bytes(address, 4)
                     .and_then(|bytes| bytes.try_into().ok());
                 bytes.map(|bytes| Value::Number(i32::from_le_bytes(bytes).into()))
+            }
+            ("auipc", Some(pages), _) => {
+                let address = instruction.place.address as i64 + (pages << 12);
+                Some(Value::Number(i64::from(address as u32)))
             }
             ("mov" | "movs", Some(number), _) => Some(Value::Number(number)),
             ("mov" | "movs", None, value) => value,
@@ -275,5 +297,69 @@ impl Walk {
     fn call(&mut self, callee: u64, depth: u64) {
         let deepest = self.calls.entry(callee).or_default();
         *deepest = depth.max(*deepest);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use object::Architecture;
+
+    use super::*;
+
+    fn bound_of(code: &[u8]) -> Result<u64> {
+        Ok(bound(&Image::of_code(Architecture::Arm, code), "code")?.bytes)
+    }
+
+    #[test]
+    fn depths_add_up_along_the_deepest_path() {
+        let code = [
+            0xf0, 0xb5, // push {r4-r7, lr}
+            0x10, 0xb1, // cbz r0, to the add
+            0x84, 0xb0, // sub sp, #16
+            0x04, 0xb0, // add sp, #16
+            0x00, 0xbf, // nop
+            0xf0, 0xbd, // pop {r4-r7, pc}
+        ];
+        assert_eq!(bound_of(&code).unwrap(), 36);
+    }
+
+    #[test]
+    fn large_frames_are_computed() {
+        let code = [
+            0x80, 0xb5, // push {r7, lr}
+            0x00, 0xaf, // add r7, sp, #0
+            0x01, 0x4e, // ldr r6, [pc, #4]
+            0xb5, 0x44, // add sp, r6
+            0xbd, 0x46, // mov sp, r7
+            0x80, 0xbd, // pop {r7, pc}
+            0xc4, 0xfd, 0xff, 0xff, // -572
+        ];
+        assert_eq!(bound_of(&code).unwrap(), 580);
+    }
+
+    #[test]
+    fn what_has_no_bound_is_an_error() {
+        let cases: [(&str, &[u8], &str); 4] = [
+            (
+                "bl itself; bx lr",
+                &[0xff, 0xf7, 0xfe, 0xff, 0x70, 0x47],
+                "recursion",
+            ),
+            (
+                "blx r3; bx lr",
+                &[0x98, 0x47, 0x70, 0x47],
+                "unknown function",
+            ),
+            ("sub.w sp, sp, r4", &[0xad, 0xeb, 0x04, 0x0d], "unknown way"),
+            (
+                "push {r4}; bx lr",
+                &[0x10, 0xb4, 0x70, 0x47],
+                "returns with 4 bytes",
+            ),
+        ];
+        for (name, code, why) in cases {
+            let error = bound_of(code).unwrap_err().to_string();
+            assert!(error.contains(why), "{name}: {error}");
+        }
     }
 }

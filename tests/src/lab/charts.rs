@@ -59,7 +59,7 @@ pub fn draw_all(results: &Results, folder: &Path) -> Result<(), Failure> {
     leaks::draw(&results.leaks, &folder.join("watertight.svg"))
 }
 
-/// Cost against error of the intersections and of unit vectors, on one sheet.
+/// Cost against error of the intersections, on one sheet.
 fn overview(results: &Results, path: &Path) -> Result<(), Failure> {
     let stages = [
         "sphere",

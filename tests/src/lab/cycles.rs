@@ -40,11 +40,12 @@ pub fn read(path: &Path) -> Result<Vec<Price>, csv::Error> {
 /// What is prepared once a ray for a method, as named in the stage `setup`.
 pub fn setup(stage: &str, method: &str) -> Option<&'static str> {
     match (stage, method) {
-        ("polygon", "core") => Some("polygon core"),
+        ("polygon" | "triangle", "core") => Some("polygon core"),
         (
             "polygon",
             "fan, Woop" | "sheared crossings" | "sheared, lazy" | "sheared, plane first",
         ) => Some("polygon shear"),
+        ("triangle", "Woop" | "sheared crossings" | "sheared, lazy") => Some("polygon shear"),
         ("cuboid", "core") => Some("cuboid core"),
         ("cuboid", "slabs, divide, swap" | "fractions" | "branch on zero" | "f64") => None,
         ("cuboid", _) => Some("cuboid reciprocal"),
@@ -52,25 +53,38 @@ pub fn setup(stage: &str, method: &str) -> Option<&'static str> {
     }
 }
 
-/// Estimated cycles of a method on a part: of a call, and of a call with what is prepared for it.
-pub fn cycles(
-    prices: &[Price],
-    target: &str,
-    stage: &str,
-    case: &str,
-    method: &str,
-) -> Option<(f64, f64)> {
-    let find = |stage: &str, case: &str, method: &str| -> Option<f64> {
+/// Estimated cycles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost {
+    /// Of a call.
+    pub call: f64,
+    /// Of a call and what is prepared for it.
+    pub prepared: f64,
+}
+
+/// What a method costs on a part, for each case in the order of the file; none where it lacks one.
+pub fn costs(prices: &[Price], target: &str, stage: &str, method: &str) -> Vec<Cost> {
+    let of = |stage: &str, method: &str| -> Vec<f64> {
         let is = |price: &&Price| {
             (price.target.as_str(), price.stage.as_str()) == (target, stage)
-                && (price.case.as_str(), price.method.as_str()) == (case, method)
+                && price.method == method
         };
-        prices.iter().find(is)?.cycles
+        prices
+            .iter()
+            .filter(is)
+            .filter_map(|price| price.cycles)
+            .collect()
     };
-    let call = find(stage, case, method)?;
-    let prepared = match setup(stage, method) {
-        Some(setup) => find("setup", "", setup)?,
+    let setup = match setup(stage, method) {
+        Some(setup) => match of("setup", setup)[..] {
+            [cycles] => cycles,
+            _ => return Vec::new(),
+        },
         None => 0.0,
     };
-    Some((call, call + prepared))
+    let cost = |call: f64| Cost {
+        call,
+        prepared: call + setup,
+    };
+    of(stage, method).into_iter().map(cost).collect()
 }

@@ -1,6 +1,6 @@
 //! Which methods are worth their price, and whether `whitted` uses such ones.
 
-use super::cycles::{self, Price};
+use super::cycles::{self, Cost, Price};
 use super::special::Outcome;
 use super::tally::Row;
 use super::watertight::Leaks;
@@ -12,8 +12,6 @@ pub struct Subject {
     pub stage: &'static str,
     /// Above the chart.
     pub title: &'static str,
-    /// The inputs whose price counts.
-    pub case: &'static str,
     /// What the error is counted in.
     pub measure: Measure,
     /// The method of the table that `whitted` uses. Its entry calls the code of `whitted` itself, so
@@ -38,72 +36,30 @@ pub enum Measure {
 
 /// All of them, in the order of a ray's way.
 pub const SUBJECTS: &[Subject] = &[
-    subject(
-        "sphere",
-        "Ray and sphere",
-        "hit",
-        Measure::Backward,
-        &["shift", "shift, two sums"],
-    ),
-    subject(
-        "plane",
-        "Ray and plane",
-        "hit",
-        Measure::Backward,
-        &["point"],
-    ),
-    subject(
-        "polygon",
-        "Ray and hexagon",
-        "hexagon hit",
-        Measure::Backward,
-        &["sheared crossings"],
-    ),
-    subject(
-        "cuboid",
-        "Ray and box",
-        "hit",
-        Measure::Backward,
-        &["by sign"],
-    ),
-    subject(
-        "frustum",
-        "Ray and cone",
-        "hit",
-        Measure::Backward,
-        &["shift, Lagrange"],
-    ),
-    subject(
-        "secondary",
-        "Start of a secondary ray",
-        "origin",
-        Measure::Wrong,
-        &[],
-    ),
-    subject("sqrt", "Square root", "", Measure::Relative, &[]),
-    subject(
-        "rsqrt",
-        "Reciprocal square root",
-        "",
-        Measure::Relative,
-        &[],
-    ),
-    subject("normalize", "Unit vector", "", Measure::Relative, &[]),
-    subject("power", "Whole power", "n = 50", Measure::Steps, &[]),
-    subject("power, real", "Real power", "n = 50.5", Measure::Steps, &[]),
+    subject("sphere", "Ray and sphere", Measure::Backward, &[]),
+    // The same but for the question whether the ray leaves the plane.
+    subject("plane", "Ray and plane", Measure::Backward, &["point"]),
+    subject("triangle", "Ray and triangle", Measure::Backward, &[]),
+    subject("polygon", "Ray and hexagon", Measure::Backward, &[]),
+    subject("cuboid", "Ray and box", Measure::Backward, &[]),
+    subject("frustum", "Ray and cone", Measure::Backward, &[]),
+    subject("secondary", "Start of a secondary ray", Measure::Wrong, &[]),
+    subject("sqrt", "Square root", Measure::Relative, &[]),
+    subject("rsqrt", "Reciprocal square root", Measure::Relative, &[]),
+    subject("normalize", "Unit vector", Measure::Relative, &[]),
+    subject("power", "Whole power", Measure::Steps, &[]),
+    subject("power, real", "Real power", Measure::Steps, &[]),
 ];
 
 const fn subject(
     stage: &'static str,
     title: &'static str,
-    case: &'static str,
     measure: Measure,
     same: &'static [&'static str],
 ) -> Subject {
     Subject {
         stage,
         title,
-        case,
         measure,
         winner: "core",
         same,
@@ -120,8 +76,8 @@ pub struct Mark {
     pub method: String,
     /// The worst error in all cells, in units of the subject's measure.
     pub error: f64,
-    /// Cycles of a call, and of a call with what is prepared for it.
-    pub cycles: Option<(f64, f64)>,
+    /// What it costs, by inputs, the ones that are charted first; empty where that was not counted.
+    pub costs: Vec<Cost>,
     /// Whether it answers all special inputs, and leaves no holes.
     pub sound: bool,
 }
@@ -156,7 +112,7 @@ impl Results {
                 .filter(|row| row.method == method && !row.sweep.ends_with("extreme"))
                 .map(|row| subject.measure.of(row))
                 .fold(0.0, f64::max),
-            cycles: cycles::cycles(&self.prices, TARGET, subject.stage, subject.case, method),
+            costs: cycles::costs(&self.prices, TARGET, subject.stage, method),
             sound: self.is_sound(subject.stage, method),
         };
         methods.iter().map(mark).collect()
@@ -205,14 +161,14 @@ impl Results {
 
     /// The subjects whose winner has no price yet.
     pub fn unpriced(&self) -> Vec<&'static str> {
-        let is_priced = |subject: &&Subject| {
+        let is_unpriced = |subject: &&Subject| {
             let marks = self.marks(subject);
             let mut winner = marks.iter().filter(|mark| mark.method == subject.winner);
-            winner.any(|mark| mark.cycles.is_none())
+            winner.any(|mark| mark.costs.is_empty())
         };
         SUBJECTS
             .iter()
-            .filter(is_priced)
+            .filter(is_unpriced)
             .map(|subject| subject.stage)
             .collect()
     }
@@ -242,22 +198,29 @@ impl Measure {
 impl Mark {
     /// Whether nothing speaks for `other`: this is no worse in price or error and better in one.
     ///
-    /// Prices count a call alone and a call with what is prepared for it: in a scene with many
-    /// primitives the one matters, with few the other.
+    /// It has to be no dearer for any inputs, hits and misses, alone and with what is prepared once a
+    /// ray: in a scene with many primitives the one matters, with few the other.
     pub fn dominates(&self, other: &Self) -> bool {
-        let (Some(mine), Some(its)) = (self.cycles, other.cycles) else {
+        if !self.sound || self.costs.is_empty() || self.costs.len() != other.costs.len() {
             return false;
-        };
-        let no_worse = mine.0 <= its.0 && mine.1 <= its.1 && self.error <= other.error;
-        let better = mine.0 < its.0 || self.error < other.error;
-        self.sound && no_worse && better
+        }
+        let pairs = || self.costs.iter().zip(&other.costs);
+        let no_dearer =
+            pairs().all(|(mine, its)| mine.call <= its.call && mine.prepared <= its.prepared);
+        let cheaper = pairs().any(|(mine, its)| mine.call < its.call);
+        no_dearer && self.error <= other.error && (cheaper || self.error < other.error)
     }
 
     fn describe(&self, subject: &Subject) -> String {
-        let (call, prepared) = self.cycles.unwrap_or((f64::NAN, f64::NAN));
-        let error = self.error;
+        let costs: Vec<String> = self
+            .costs
+            .iter()
+            .map(|cost| format!("{:.0} cycles ({:.0} with set-up)", cost.call, cost.prepared))
+            .collect();
         format!(
-            "{call:.0} cycles ({prepared:.0} with set-up) and {error:.3e} ({})",
+            "{}, {:.3e} ({})",
+            costs.join(", "),
+            self.error,
             subject.measure.label()
         )
     }
@@ -267,11 +230,12 @@ impl Mark {
 mod tests {
     use super::*;
 
-    fn mark(cycles: f64, error: f64) -> Mark {
+    fn mark(call: f64, error: f64) -> Mark {
+        let prepared = call + 10.0;
         Mark {
             method: String::new(),
             error,
-            cycles: Some((cycles, cycles + 10.0)),
+            costs: vec![Cost { call, prepared }; 2],
             sound: true,
         }
     }
@@ -288,14 +252,12 @@ mod tests {
         };
         assert!(!unsound.dominates(&mark(80.0, 1.0)));
         let unpriced = Mark {
-            cycles: None,
+            costs: Vec::new(),
             ..mark(1.0, 0.0)
         };
         assert!(!unpriced.dominates(&mark(80.0, 1.0)));
-        let costly_setup = Mark {
-            cycles: Some((70.0, 200.0)),
-            ..mark(70.0, 1.0)
-        };
+        let mut costly_setup = mark(70.0, 1.0);
+        costly_setup.costs[1].prepared = 200.0;
         assert!(!costly_setup.dominates(&mark(80.0, 1.0)));
     }
 

@@ -82,6 +82,7 @@ pub fn measure(
     let mut rows = Vec::new();
     stage::<sphere::Spheres>(&mut rows, plan, &wanted, progress);
     stage::<plane::Planes>(&mut rows, plan, &wanted, progress);
+    stage::<polygon::Triangles>(&mut rows, plan, &wanted, progress);
     stage::<polygon::Polygons>(&mut rows, plan, &wanted, progress);
     stage::<cuboid::Cuboids>(&mut rows, plan, &wanted, progress);
     stage::<frustum::Frusta>(&mut rows, plan, &wanted, progress);

@@ -1,7 +1,8 @@
 //! The polygon's sweeps.
 
-use whitted::{Polygon, Ray, Vec3};
+use whitted::{Polygon, Ray, Triangle, Vec3};
 use whitted_methods::polygon::{METHODS, Setup, ignores_normal};
+use whitted_methods::triangle;
 
 use super::line;
 use super::random::{Point, Random};
@@ -11,6 +12,9 @@ use crate::exact::{self, Verdict};
 
 /// Ray and polygon.
 pub struct Polygons;
+
+/// Ray and triangle.
+pub struct Triangles;
 
 /// A ray and an outline.
 pub struct Case {
@@ -90,11 +94,10 @@ fn near_edge(random: &mut Random, vertices: &[Vec3], x: f64) -> Point {
 }
 
 fn distance(name: &'static str, corners: usize) -> Sweep<Case> {
-    let far = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
     Sweep::new(
         name,
         "distance of the origin / size",
-        &far,
+        &LARGE,
         move |x, random| {
             let canvas = Canvas::new(random, 0.0);
             let vertices = canvas.outline(random, corners, 0.95);
@@ -104,31 +107,132 @@ fn distance(name: &'static str, corners: usize) -> Sweep<Case> {
     )
 }
 
+const SMALL: [f64; 7] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
+const LARGE: [f64; 7] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
+
+/// Aimed near an edge of a convex outline.
+fn edge(name: &'static str, corners: usize) -> Sweep<Case> {
+    Sweep::new(
+        name,
+        "distance from an edge / size",
+        &SMALL,
+        move |x, random| {
+            let canvas = Canvas::new(random, 0.0);
+            let vertices = canvas.outline(random, corners, 0.95);
+            let aim = near_edge(random, &vertices, x);
+            canvas.seen(random, vertices, aim, 10.0)
+        },
+    )
+}
+
+fn sliver() -> Sweep<Case> {
+    Sweep::new(
+        "sliver",
+        "height / length of a triangle",
+        &SMALL,
+        |x, random| {
+            let canvas = Canvas::new(random, 0.0);
+            let vertices = [(-1.0, 0.0), (1.0, 0.0), (random.signed(), x)];
+            let vertices = vertices.map(|(x, y)| canvas.at(x, y).round()).to_vec();
+            let aim = canvas.at(random.signed(), x * random.between(-0.2, 1.2));
+            canvas.seen(random, vertices, aim, 10.0)
+        },
+    )
+}
+
+fn grazing(corners: usize) -> Sweep<Case> {
+    Sweep::new(
+        "grazing",
+        "sine of the angle between ray and plane",
+        &SMALL,
+        move |x, random| {
+            let canvas = Canvas::new(random, 0.0);
+            let vertices = canvas.outline(random, corners, 0.95);
+            let aim = canvas.at(random.between(-1.2, 1.2), random.between(-1.2, 1.2));
+            let across = canvas.x.cross(canvas.y);
+            let direction = random.across(across) + across * (x * random.between(0.5, 1.0));
+            let origin = aim - direction * 10.0;
+            Case {
+                ray: Ray::new(origin.round(), direction.unit()),
+                normal: newell(&vertices),
+                vertices,
+            }
+        },
+    )
+}
+
+fn world_offset(corners: usize) -> Sweep<Case> {
+    Sweep::new(
+        "world offset",
+        "distance of the scene from 0 / size",
+        &LARGE,
+        move |x, random| {
+            let canvas = Canvas::new(random, x);
+            let vertices = canvas.outline(random, corners, 0.95);
+            let aim = near_edge(random, &vertices, 0.3);
+            canvas.seen(random, vertices, aim, 10.0)
+        },
+    )
+}
+
+fn scale(corners: usize) -> Sweep<Case> {
+    let sizes = [-60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0];
+    Sweep::new(
+        "scale",
+        "log2 of the size of everything",
+        &sizes,
+        move |x, random| {
+            let canvas = Canvas::new(random, 0.0);
+            let vertices = canvas.outline(random, corners, 0.95);
+            let aim = near_edge(random, &vertices, 0.3);
+            let case = canvas.seen(random, vertices, aim, 10.0);
+            let scale = x.exp2() as f32;
+            Case {
+                ray: Ray::new(case.ray.origin * scale, case.ray.direction),
+                vertices: case.vertices.iter().map(|&v| v * scale).collect(),
+                ..case
+            }
+        },
+    )
+}
+
+impl Case {
+    /// Judges each of `answers`, of which the flagged ones do not know the stored normal.
+    fn judge(
+        &self,
+        answers: impl Iterator<Item = (bool, Option<f32>)>,
+        judged: &mut dyn FnMut(usize, Verdict),
+    ) {
+        let ray = line(&self.ray);
+        let vertices: Vec<[f32; 3]> = self.vertices.iter().map(|v| v.to_array()).collect();
+        let by = |facing| (facing, exact::polygon::truth(&ray, &vertices, facing));
+        let (stored, fan) = (by(Facing::Normal(self.normal.to_array())), by(Facing::Fan));
+        for (i, (ignores_normal, answer)) in answers.enumerate() {
+            let (facing, truth) = if ignores_normal { fan } else { stored };
+            let verdict = exact::judge(
+                &truth,
+                answer,
+                |t| exact::polygon::residual(&ray, &vertices, facing, t),
+                || exact::polygon::margins(&ray, &vertices, facing, truth.t.is_some()),
+            );
+            judged(i, verdict);
+        }
+    }
+}
+
 impl Stage for Polygons {
     const NAME: &'static str = "polygon";
     type Case = Case;
 
     fn sweeps() -> Vec<Sweep<Case>> {
-        let small = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
         vec![
-            distance("distance, triangle", 3),
             distance("distance, hexagon", 6),
             distance("distance, decagon", 10),
-            Sweep::new(
-                "edge, hexagon",
-                "distance from an edge / size",
-                &small,
-                |x, random| {
-                    let canvas = Canvas::new(random, 0.0);
-                    let vertices = canvas.outline(random, 6, 0.95);
-                    let aim = near_edge(random, &vertices, x);
-                    canvas.seen(random, vertices, aim, 10.0)
-                },
-            ),
+            edge("edge, hexagon", 6),
             Sweep::new(
                 "edge, concave",
                 "distance from an edge / size",
-                &small,
+                &SMALL,
                 |x, random| {
                     // A star: every second corner drawn in.
                     let canvas = Canvas::new(random, 0.0);
@@ -144,7 +248,7 @@ impl Stage for Polygons {
             Sweep::new(
                 "edge, warped",
                 "distance from an edge / size",
-                &small,
+                &SMALL,
                 |x, random| {
                     // Out of its plane by 1e-5 of its size, as files with few digits have it.
                     let canvas = Canvas::new(random, 0.0);
@@ -156,64 +260,10 @@ impl Stage for Polygons {
                     canvas.seen(random, vertices, aim, 10.0)
                 },
             ),
-            Sweep::new(
-                "sliver",
-                "height / length of a triangle",
-                &small,
-                |x, random| {
-                    let canvas = Canvas::new(random, 0.0);
-                    let vertices = [(-1.0, 0.0), (1.0, 0.0), (random.signed(), x)];
-                    let vertices = vertices.map(|(x, y)| canvas.at(x, y).round()).to_vec();
-                    let aim = canvas.at(random.signed(), x * random.between(-0.2, 1.2));
-                    canvas.seen(random, vertices, aim, 10.0)
-                },
-            ),
-            Sweep::new(
-                "grazing",
-                "sine of the angle between ray and plane",
-                &small,
-                |x, random| {
-                    let canvas = Canvas::new(random, 0.0);
-                    let vertices = canvas.outline(random, 6, 0.95);
-                    let aim = canvas.at(random.between(-1.2, 1.2), random.between(-1.2, 1.2));
-                    let across = canvas.x.cross(canvas.y);
-                    let direction = random.across(across) + across * (x * random.between(0.5, 1.0));
-                    let origin = aim - direction * 10.0;
-                    Case {
-                        ray: Ray::new(origin.round(), direction.unit()),
-                        normal: newell(&vertices),
-                        vertices,
-                    }
-                },
-            ),
-            Sweep::new(
-                "world offset",
-                "distance of the scene from 0 / size",
-                &[1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6],
-                |x, random| {
-                    let canvas = Canvas::new(random, x);
-                    let vertices = canvas.outline(random, 6, 0.95);
-                    let aim = near_edge(random, &vertices, 0.3);
-                    canvas.seen(random, vertices, aim, 10.0)
-                },
-            ),
-            Sweep::new(
-                "scale",
-                "log2 of the size of everything",
-                &[-60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0],
-                |x, random| {
-                    let canvas = Canvas::new(random, 0.0);
-                    let vertices = canvas.outline(random, 6, 0.95);
-                    let aim = near_edge(random, &vertices, 0.3);
-                    let case = canvas.seen(random, vertices, aim, 10.0);
-                    let scale = x.exp2() as f32;
-                    Case {
-                        ray: Ray::new(case.ray.origin * scale, case.ray.direction),
-                        vertices: case.vertices.iter().map(|&v| v * scale).collect(),
-                        ..case
-                    }
-                },
-            ),
+            sliver(),
+            grazing(6),
+            world_offset(6),
+            scale(6),
         ]
     }
 
@@ -222,29 +272,55 @@ impl Stage for Polygons {
     }
 
     fn ask(case: &Case, judged: &mut dyn FnMut(usize, Verdict)) {
-        let ray = line(&case.ray);
-        let vertices: Vec<[f32; 3]> = case.vertices.iter().map(|v| v.to_array()).collect();
-        let stored = Facing::Normal(case.normal.to_array());
-        let by = |facing| (facing, exact::polygon::truth(&ray, &vertices, facing));
-        let (stored, fan) = (by(stored), by(Facing::Fan));
         let setup = Setup::new(&case.ray);
         let polygon = Polygon {
             vertices: &case.vertices,
             normal: case.normal,
         };
-        for (i, method) in METHODS.iter().enumerate() {
-            let (facing, truth) = if ignores_normal(method.name) {
-                fan
-            } else {
-                stored
-            };
-            let verdict = exact::judge(
-                &truth,
+        let answers = METHODS.iter().map(|method| {
+            (
+                ignores_normal(method.name),
                 (method.run)(&case.ray, &setup, &polygon),
-                |t| exact::polygon::residual(&ray, &vertices, facing, t),
-                || exact::polygon::margins(&ray, &vertices, facing, truth.t.is_some()),
-            );
-            judged(i, verdict);
-        }
+            )
+        });
+        case.judge(answers, judged);
+    }
+}
+
+impl Stage for Triangles {
+    const NAME: &'static str = "triangle";
+    type Case = Case;
+
+    fn sweeps() -> Vec<Sweep<Case>> {
+        vec![
+            distance("distance", 3),
+            edge("edge", 3),
+            sliver(),
+            grazing(3),
+            world_offset(3),
+            scale(3),
+        ]
+    }
+
+    fn methods() -> Vec<&'static str> {
+        triangle::METHODS.iter().map(|method| method.name).collect()
+    }
+
+    fn ask(case: &Case, judged: &mut dyn FnMut(usize, Verdict)) {
+        let setup = Setup::new(&case.ray);
+        let [a, b, c] = case.vertices[..] else {
+            unreachable!("all sweeps are of three corners");
+        };
+        let triangle = Triangle {
+            vertices: [a, b, c],
+            normal: case.normal,
+        };
+        let answers = triangle::METHODS.iter().map(|method| {
+            (
+                triangle::ignores_normal(method.name),
+                (method.run)(&case.ray, &setup, &triangle),
+            )
+        });
+        case.judge(answers, judged);
     }
 }

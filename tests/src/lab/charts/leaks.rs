@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::{FAINT, FONT, FRONT, Failure, OTHER, OURS, number, style};
 use crate::lab::watertight::Leaks;
@@ -26,8 +27,11 @@ pub fn draw(leaks: &[Leaks], path: &Path) -> Result<(), Failure> {
     let holes = |method: &str| worst(method, |one| one.holes);
     let doubles = |method: &str| worst(method, |one| one.doubles);
     methods.sort_by(|a, b| (holes(a) + doubles(a)).total_cmp(&(holes(b) + doubles(b))));
-    let rays = leaks.iter().map(|one| one.rays).max().unwrap_or(1) as f64;
-    let floor = 0.3 / rays;
+    let rays = |method: &str| {
+        let of = leaks.iter().filter(|one| one.method == method);
+        of.map(|one| one.rays).max().unwrap_or(1)
+    };
+    let most = methods.iter().map(|method| rays(method)).max().unwrap_or(1) as f64;
     let height = 120 + 26 * methods.len() as u32;
     let canvas = SVGBackend::new(path, (760, height)).into_drawing_area();
     canvas.fill(&WHITE)?;
@@ -39,17 +43,9 @@ pub fn draw(leaks: &[Leaks], path: &Path) -> Result<(), Failure> {
         .x_label_area_size(42)
         .y_label_area_size(170)
         .build_cartesian_2d(
-            (floor * 0.5..2.0).log_scale(),
+            (0.1 / most..2.0).log_scale(),
             methods.len() as f64 - 0.4..-0.6,
         )?;
-    let zero = format!("0 of {rays}");
-    let share = |share: &f64| {
-        if *share < 0.9 / rays {
-            String::new()
-        } else {
-            number(share)
-        }
-    };
     chart
         .configure_mesh()
         .disable_y_mesh()
@@ -57,7 +53,7 @@ pub fn draw(leaks: &[Leaks], path: &Path) -> Result<(), Failure> {
         .light_line_style(TRANSPARENT)
         .bold_line_style(FAINT.mix(0.6))
         .x_desc("worst share of rays: holes (filled), double hits (hollow)")
-        .x_label_formatter(&share)
+        .x_label_formatter(&number)
         .axis_desc_style((FONT, 13))
         .label_style((FONT, 12))
         .draw()?;
@@ -65,6 +61,8 @@ pub fn draw(leaks: &[Leaks], path: &Path) -> Result<(), Failure> {
         let ours = *method == "core";
         let color = if ours { OURS } else { FRONT };
         let y = i as f64;
+        // None of so many: drawn where less than one would be.
+        let floor = 0.3 / rays(method) as f64;
         let (holes, doubles) = (holes(method).max(floor), doubles(method).max(floor));
         chart.draw_series(LineSeries::new([(holes, y), (doubles, y)], OTHER.mix(0.4)))?;
         chart.draw_series([
@@ -72,15 +70,18 @@ pub fn draw(leaks: &[Leaks], path: &Path) -> Result<(), Failure> {
             Circle::new((doubles, y), 6, color.stroke_width(2)),
             Circle::new((holes, y), 4, color.filled()),
         ])?;
-        let (_, height) = chart.backend_coord(&(1.0, y));
+        let (x, height) = chart.backend_coord(&(holes, y));
         let name = if ours { "whitted" } else { method };
-        let at = (
-            166 - super::labels::Labels::width(name, 13.0) as i32,
-            height - 7,
-        );
-        canvas.draw(&Text::new(name.to_string(), at, style(13.0, &color)))?;
+        let right = style(13.0, &color).pos(Pos::new(HPos::Right, VPos::Center));
+        canvas.draw(&Text::new(name.to_string(), (170, height), right))?;
+        if doubles <= floor {
+            let note = style(12.0, &color).pos(Pos::new(HPos::Left, VPos::Center));
+            canvas.draw(&Text::new(
+                format!("0 of {}, 0 of {}", rays(method), rays(method)),
+                (x + 12, height),
+                note,
+            ))?;
+        }
     }
-    let (x, y) = chart.backend_coord(&(floor, methods.len() as f64 - 0.5));
-    canvas.draw(&Text::new(zero, (x - 18, y + 4), style(12.0, &OTHER)))?;
     Ok(canvas.present()?)
 }

@@ -12,12 +12,19 @@ const LABEL: f64 = 12.5;
 
 /// Draws a subject's chart.
 pub fn draw(canvas: &Canvas<'_>, subject: &Subject, marks: &[Mark]) -> Result<(), Failure> {
-    let priced: Vec<&Mark> = marks.iter().filter(|mark| mark.cycles.is_some()).collect();
-    let unpriced: Vec<&Mark> = marks.iter().filter(|mark| mark.cycles.is_none()).collect();
+    let priced: Vec<&Mark> = marks.iter().filter(|mark| !mark.costs.is_empty()).collect();
+    let unpriced: Vec<&Mark> = marks.iter().filter(|mark| mark.costs.is_empty()).collect();
     let (width, height) = canvas.dim_in_pixel();
     let strip = if unpriced.is_empty() { 0 } else { STRIP };
     let (x, y) = ranges(subject, marks, &priced);
 
+    let misses =
+        marks.iter().any(|mark| mark.costs.len() > 1) && subject.measure == Measure::Backward;
+    let x_desc = if misses {
+        "estimated cycles of a hit (and of a miss) on a Cortex-M4F"
+    } else {
+        "estimated cycles of a call on a Cortex-M4F"
+    };
     let mut chart = ChartBuilder::on(canvas)
         .caption(subject.title, (FONT, 19))
         .margin(10)
@@ -29,7 +36,7 @@ pub fn draw(canvas: &Canvas<'_>, subject: &Subject, marks: &[Mark]) -> Result<()
         .configure_mesh()
         .light_line_style(TRANSPARENT)
         .bold_line_style(FAINT.mix(0.5))
-        .x_desc("estimated cycles a call, Cortex-M4F")
+        .x_desc(x_desc)
         .y_desc(subject.measure.label())
         .axis_desc_style((FONT, 13))
         .label_style((FONT, 12))
@@ -83,8 +90,8 @@ pub fn draw(canvas: &Canvas<'_>, subject: &Subject, marks: &[Mark]) -> Result<()
     order.sort_by_key(|&i| (priced[i].method != subject.winner, !is_front(priced[i])));
     for i in order {
         let mark = priced[i];
-        if let Some((_, prepared)) = mark.cycles.filter(|(call, prepared)| prepared > call) {
-            let end = pixel((prepared.min(x.1), mark.error.clamp(y.0, y.1)));
+        if let Some(cost) = mark.costs.first().filter(|cost| cost.prepared > cost.call) {
+            let end = pixel((cost.prepared.min(x.1), mark.error.clamp(y.0, y.1)));
             line(canvas, spots[i], end, &OTHER)?;
         }
         let text = label(subject, mark);
@@ -166,9 +173,9 @@ fn strip_of(
 }
 
 fn ranges(subject: &Subject, marks: &[Mark], priced: &[&Mark]) -> ((f64, f64), (f64, f64)) {
-    let cycles = || priced.iter().filter_map(|mark| mark.cycles);
-    let least = cycles().map(|(call, _)| call).fold(f64::INFINITY, f64::min);
-    let most = cycles().map(|(_, prepared)| prepared).fold(0.0, f64::max);
+    let costs = || priced.iter().filter_map(|mark| mark.costs.first());
+    let least = costs().map(|cost| cost.call).fold(f64::INFINITY, f64::min);
+    let most = costs().map(|cost| cost.prepared).fold(0.0, f64::max);
     let x = if least < most {
         ((least * 0.75).max(1.0), most * 1.7)
     } else {
@@ -197,8 +204,9 @@ fn rule(measure: Measure) -> Option<(f64, &'static str)> {
 }
 
 fn place(mark: &Mark, floor: f64) -> (f64, f64) {
-    let (cycles, _) = mark.cycles.unwrap_or((f64::NAN, f64::NAN));
-    (cycles, mark.error.clamp(floor, 1e9))
+    let cycles = mark.costs.first().map_or(f64::NAN, |cost| cost.call);
+    // What costs nothing has no place on a logarithmic axis.
+    (cycles.max(1.0), mark.error.clamp(floor, 1e9))
 }
 
 /// The sound methods than which none is both cheaper and better, by price.
@@ -224,10 +232,12 @@ fn label(subject: &Subject, mark: &Mark) -> String {
     } else {
         &mark.method
     };
-    match mark.cycles {
-        Some((call, _)) => format!("{name} {call:.0}"),
-        None => name.to_string(),
-    }
+    let cycles: Vec<String> = mark
+        .costs
+        .iter()
+        .map(|cost| format!("{:.0}", cost.call))
+        .collect();
+    format!("{name} {}", cycles.join("/"))
 }
 
 fn color(subject: &Subject, mark: &Mark, front: bool) -> RGBColor {
