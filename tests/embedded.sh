@@ -111,7 +111,7 @@ case ${1:-all} in
   all)
     setup || [ $? = 77 ]
     say "building with $(say_compiler || true)"
-    cd "$root" && exec cargo test -p whitted-tests --test firmware -- --nocapture
+    cd "$root" && exec cargo test -p whitted-tests --test firmware -- --nocapture --include-ignored
     ;;
   setup) setup ;;
   table) cd "$root" && exec cargo run -p whitted-tests --bin firmware -- table ;;

@@ -50,6 +50,7 @@ fn every_program_is_a_frame() {
 }
 
 #[test]
+#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
 fn every_target_draws_what_the_host_draws() {
     for target in TARGETS.iter().filter(|target| can_run(target)) {
         for kind in [Kind::Rows, Kind::Panel, Kind::Counters] {
@@ -105,6 +106,7 @@ fn row<'a>(rows: &'a [Row], profile: &str, target: &str, program: &str) -> &'a R
 }
 
 #[test]
+#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
 fn the_table_is_what_is_measured() {
     let Some(rows) = measured() else {
         return not_run("the table", "nothing can be measured");
@@ -128,6 +130,7 @@ fn the_table_is_what_is_measured() {
 }
 
 #[test]
+#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
 fn goals_are_met() {
     let Some(rows) = measured() else {
         return not_run("the goals", "nothing can be measured");
@@ -168,6 +171,7 @@ fn goals_are_met() {
 }
 
 #[test]
+#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
 fn painted_stacks_are_what_the_code_allows() {
     let Some(rows) = measured() else {
         return not_run("stacks", "nothing can be measured");
@@ -209,6 +213,7 @@ fn build_copy(copy: &Copy) -> Result<BTreeMap<String, u64>> {
 }
 
 #[test]
+#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
 fn a_planted_panic_does_not_link() {
     if !can_run(&CORTEX_M4F) {
         return;
@@ -405,6 +410,7 @@ fn changed_by(copy: &Copy, before: &BTreeMap<String, u64>, feature: &Feature) ->
 }
 
 #[test]
+#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
 fn features_change_only_programs_that_name_them() {
     if !can_run(&CORTEX_M4F) {
         return;
