@@ -103,9 +103,14 @@ fn each<F: Copy, I, O>(
 #[inline(never)]
 fn price_spheres(meter: &mut impl Meter, case: &'static str, hit: bool) {
     let (methods, inputs) = (sphere::METHODS, spheres(hit));
-    stage(meter, ["sphere", case], methods, |_, _| None, &inputs, |f, (ray, sphere)| {
-        f(ray, sphere).is_some()
-    });
+    stage(
+        meter,
+        ["sphere", case],
+        methods,
+        |_, _| None,
+        &inputs,
+        |f, (ray, sphere)| f(ray, sphere).is_some(),
+    );
 }
 
 #[inline(never)]
@@ -116,9 +121,14 @@ fn price_triangles(meter: &mut impl Meter, case: &'static str, hit: bool) {
         (ray, polygon::Setup::new(&ray), triangle)
     });
     let (methods, empty) = (triangle::METHODS, |_: &_, _: &_, _: &_| None);
-    stage(meter, ["triangle", case], methods, empty, &inputs, |f, (ray, setup, triangle)| {
-        f(ray, setup, triangle).is_some()
-    });
+    stage(
+        meter,
+        ["triangle", case],
+        methods,
+        empty,
+        &inputs,
+        |f, (ray, setup, triangle)| f(ray, setup, triangle).is_some(),
+    );
 }
 
 #[inline(never)]
@@ -129,34 +139,54 @@ fn price_polygons(meter: &mut impl Meter, case: &'static str, hit: bool) {
         (*ray, polygon::Setup::new(ray), Polygon { vertices, normal })
     });
     let (methods, empty) = (polygon::METHODS, |_: &_, _: &_, _: &Polygon<'_>| None);
-    stage(meter, ["polygon", case], methods, empty, &inputs, |f, (ray, setup, polygon)| {
-        f(ray, setup, polygon).is_some()
-    });
+    stage(
+        meter,
+        ["polygon", case],
+        methods,
+        empty,
+        &inputs,
+        |f, (ray, setup, polygon)| f(ray, setup, polygon).is_some(),
+    );
 }
 
 #[inline(never)]
 fn price_cuboids(meter: &mut impl Meter, case: &'static str, hit: bool) {
     let (methods, inputs) = (cuboid::METHODS, cuboids(hit));
     let empty = |_: &_, _: &_, _: &_| None;
-    stage(meter, ["cuboid", case], methods, empty, &inputs, |f, (ray, setup, cuboid)| {
-        f(ray, setup, cuboid).is_some()
-    });
+    stage(
+        meter,
+        ["cuboid", case],
+        methods,
+        empty,
+        &inputs,
+        |f, (ray, setup, cuboid)| f(ray, setup, cuboid).is_some(),
+    );
 }
 
 #[inline(never)]
 fn price_frusta(meter: &mut impl Meter, case: &'static str, hit: bool) {
     let (methods, inputs) = (frustum::METHODS, frusta(hit));
-    stage(meter, ["frustum", case], methods, |_, _| None, &inputs, |f, (ray, frustum)| {
-        f(ray, frustum).is_some()
-    });
+    stage(
+        meter,
+        ["frustum", case],
+        methods,
+        |_, _| None,
+        &inputs,
+        |f, (ray, frustum)| f(ray, frustum).is_some(),
+    );
 }
 
 #[inline(never)]
 fn price_planes(meter: &mut impl Meter) {
     let (methods, inputs) = (plane::METHODS, planes());
-    stage(meter, ["plane", "hit"], methods, |_, _| None, &inputs, |f, (ray, plane)| {
-        f(ray, plane).is_some()
-    });
+    stage(
+        meter,
+        ["plane", "hit"],
+        methods,
+        |_, _| None,
+        &inputs,
+        |f, (ray, plane)| f(ray, plane).is_some(),
+    );
 }
 
 /// What a ray costs once for all polygons or boxes. Each returns another type; of all of them a vector
@@ -176,7 +206,12 @@ fn price_setups(meter: &mut impl Meter) {
     let inputs = core::array::from_fn(|_| Ray::new(Vec3::ZERO, random.direction()));
     setup(meter, EMPTY, |ray| ray.direction, &inputs);
     setup(meter, "cuboid core", cuboid::setup_core, &inputs);
-    setup(meter, "cuboid reciprocal", cuboid::setup_reciprocal, &inputs);
+    setup(
+        meter,
+        "cuboid reciprocal",
+        cuboid::setup_reciprocal,
+        &inputs,
+    );
     setup(meter, "polygon core", polygon::setup_core, &inputs);
     setup(meter, "polygon shear", polygon::setup_shear, &inputs);
 }
@@ -190,17 +225,45 @@ fn price_secondary(meter: &mut impl Meter) {
         skips: false,
     };
     let methods = secondary::METHODS;
-    stage(meter, ["secondary", ""], methods, nothing, &inputs, |f, leaving| f(leaving));
+    stage(
+        meter,
+        ["secondary", ""],
+        methods,
+        nothing,
+        &inputs,
+        |f, leaving| f(leaving),
+    );
 }
 
 #[inline(never)]
 fn price_roots(meter: &mut impl Meter) {
     let mut random = Random(1);
     let inputs: [f32; CALLS] = core::array::from_fn(|_| 1.0 + 9.0 * random.unit());
-    stage(meter, ["sqrt", ""], roots::SQRT, |x| x, &inputs, |f, x| f(*x));
-    stage(meter, ["rsqrt", ""], roots::RSQRT, |x| x, &inputs, |f, x| f(*x));
+    stage(
+        meter,
+        ["sqrt", ""],
+        roots::SQRT,
+        |x| x,
+        &inputs,
+        |f, x| f(*x),
+    );
+    stage(
+        meter,
+        ["rsqrt", ""],
+        roots::RSQRT,
+        |x| x,
+        &inputs,
+        |f, x| f(*x),
+    );
     let inputs: [Vec3; CALLS] = core::array::from_fn(|_| random.vector() * 10.0);
-    stage(meter, ["normalize", ""], roots::NORMALIZE, |v| v, &inputs, |f, v| f(*v));
+    stage(
+        meter,
+        ["normalize", ""],
+        roots::NORMALIZE,
+        |v| v,
+        &inputs,
+        |f, v| f(*v),
+    );
 }
 
 #[inline(never)]
@@ -208,10 +271,24 @@ fn price_powers(meter: &mut impl Meter) {
     let mut random = Random(1);
     let bases: [f32; CALLS] = core::array::from_fn(|_| random.unit());
     for (case, n) in [("n = 50", 50.0), ("n = 1000", 1000.0)] {
-        stage(meter, ["power", case], power::WHOLE, |x, _| x, &bases, |f, x| f(*x, n));
+        stage(
+            meter,
+            ["power", case],
+            power::WHOLE,
+            |x, _| x,
+            &bases,
+            |f, x| f(*x, n),
+        );
     }
     let (methods, n) = (power::REAL, 50.5);
-    stage(meter, ["power, real", "n = 50.5"], methods, |x, _| x, &bases, |f, x| f(*x, n));
+    stage(
+        meter,
+        ["power, real", "n = 50.5"],
+        methods,
+        |x, _| x,
+        &bases,
+        |f, x| f(*x, n),
+    );
 }
 
 /// G. Marsaglia, "Xorshift RNGs", Journal of Statistical Software 8(14), 2003.
