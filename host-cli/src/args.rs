@@ -112,8 +112,8 @@ pub struct Compare {
 /// optionally how far. The direction need not be unit length; t counts in its units, from above 0 to
 /// below t_max. Writes one line of JSON for each:
 ///
-/// {"hit":true,"t":1.0,"point":[x,y,z],"normal":[x,y,z],"front":true,"shape":"sphere","index":3,
-/// "material":"…"} or {"hit":false}
+/// `{"hit":true,"t":1.0,"point":[x,y,z],"normal":[x,y,z],"front":true,"shape":"sphere","index":3,
+/// "material":"…"}` or `{"hit":false}`
 ///
 /// `normal` is unit length and turned to the ray's origin, `front` tells whether that is the outward
 /// side, `index` counts the shapes of the file from 0. A line that is not a ray is answered by

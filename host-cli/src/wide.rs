@@ -7,7 +7,7 @@
 //! machine and right on all.
 //!
 //! Lanes do what `whitted`'s kernels do, operation by operation. Boxes are a little wider than their
-//! content ([`bounds`]), so that none hides a hit that a kernel would report. Of equally near hits the
+//! content (`bounds`), so that none hides a hit that a kernel would report. Of equally near hits the
 //! first in the geometry wins, wherever it lies in the hierarchy. An object that a ray leaves, one whose
 //! numbers are out of all proportion, and a ray whose numbers are, are left to the kernels themselves.
 

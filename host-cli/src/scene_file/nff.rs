@@ -22,7 +22,7 @@ use crate::scene_file::error::{characters, excerpt};
 /// # Errors
 ///
 /// At the first token that is not what the format has in its place, or beyond the
-/// [`limits`](super::limits).
+/// [`limits`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<SceneFile, SceneError> {
     let mut parser = Parser {
         tokens: Tokens::new(bytes),

@@ -20,7 +20,7 @@ use crate::scene_file::error::excerpt;
 /// # Errors
 ///
 /// Where the text is not TOML, a field is unknown, missing, of the wrong type or beyond the
-/// [`limits`](super::limits), or fields contradict each other.
+/// [`limits`], or fields contradict each other.
 pub fn parse(path: &Path, text: &str) -> Result<SceneFile, SceneError> {
     let places = Places::new(text);
     let fail = |place, problem| SceneError {

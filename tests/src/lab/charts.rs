@@ -1,7 +1,7 @@
 //! The lab's pictures.
 //!
-//! Of each stage, cost against worst error ([`price_and_error`]) and wrong answers against difficulty
-//! ([`difficulty`]); of the polygons also what leaks through closed meshes ([`leaks`]). Marks and lines
+//! Of each stage, cost against worst error (`price_and_error`) and wrong answers against difficulty
+//! (`difficulty`); of the polygons also what leaks through closed meshes (`leaks`). Marks and lines
 //! carry their names: there are no legends to look up.
 
 mod difficulty;
