@@ -1,30 +1,33 @@
-//! A hierarchy of boxes over the objects of one slice, in flash.
+//! A hierarchy of bounds over the objects of one slice, in flash.
 //!
 //! A [`Hierarchy`] answers every query with the bits, and the objects' places, of the slice that it
 //! was built over; it only looks at fewer of them. It is as much a [`Geometry`] as a slice is, so that
 //! a pair may hold a hierarchy of spheres, one of triangles and a bare plane. `whitted bake` and the
 //! builder in `whitted-cli` make the arrays; nothing is built here, and nothing is allocated.
 //!
+//! Its bounds are [boxes](Aabb), which suit everything, or [balls](Ball), which take two thirds of the
+//! flash and of the instructions where what they hold is round, and are for [`Solid`] shapes.
+//!
 //! # Why no hit is ever lost
 //!
-//! Boxes are tested with a margin *e*, a [`slack`](Hierarchy::new) times the greatest coordinate of
-//! the ray's origin and of the box. The second part is in the stored boxes, the first is added once
-//! a ray: the rounding of what is computed grows with the distance from which a ray comes, so that no
-//! margin of a box alone could do. With u = 2^-24, what the kernels in [`crate::shape`] report as
-//! hit satisfies, within less than half of the usual slack of 128 u:
+//! Bounds are tested with a margin *e*: the [slack](SLACK) times the greatest coordinate of the ray's
+//! origin and of the bound. The second part is in the bounds, the first is added once a ray, for
+//! rounding grows with the distance from which a ray comes: no margin of the bounds alone could do.
+//! With u = 2^-24, what the kernels in [`crate::shape`] report as a hit satisfies, within half the
+//! usual slack of 128 u:
 //!
-//! 1. the ray's line passes the shape's box at no more than *e*;
+//! 1. the ray's line passes the bound at no more than *e*;
 //! 2. at the reported distance, the ray's coordinate along the axis to which it is most parallel lies
-//!    within *e* of the box's.
+//!    within *e* of the box's; of a solid, the point itself lies within *e* of box and ball.
 //!
-//! For the solids both follow from the kernels' backward error: the reported point is a point of the
-//! surface up to a few u of the coordinates. For outlines the first is the error of the shear; the
-//! second is why their kernels keep a distance found edge-on within the outline's own. A box is
-//! passed over if either fails, and only then: its other two slabs are not asked at which distance
-//! they are met, for the distance to an outline has no bound there. The sums here round by
-//! another 7 u, which the slack covers as well.
+//! Solids owe this to their kernels' backward error: the reported point is off the surface by a few
+//! u of the coordinates. For outlines, the error of the shear gives the first; for the second their
+//! kernel keeps what it finds edge-on between the distances of the vertices. A box is passed over only
+//! where one of the two fails, and so the distances at which the other slabs are met are not asked
+//! for: that to an outline has no bound there. The sums here round by less than 16 u of the same
+//! coordinates, which the other half of the slack covers.
 //!
-//! The object that a ray leaves is met where its chord ends, which may lie off its box by the
+//! The object that a ray leaves is met where its chord ends, which may lie off its bounds by the
 //! rounding of the point that is left. It is looked up and tested apart.
 
 use core::fmt;
@@ -149,8 +152,8 @@ pub struct Ball {
     pub radius: f32,
 }
 
-/// A shape whose hits are reported where its surface is, up to rounding, and not only on the same ray:
-/// an outline seen edge-on is met at a distance that says little.
+/// A shape whose hits are reported where its surface is, up to rounding. Outlines are not solid: seen
+/// edge-on, all that is sure of the distance is that it lies between those of the vertices.
 pub trait Solid: Shape {}
 
 impl Solid for Sphere {}
@@ -312,7 +315,7 @@ pub enum HierarchyError {
     Leaf(usize),
     /// Paths are longer than `DEPTH`.
     TooDeep,
-    /// The slack is not a number of at least 2^-17.
+    /// The slack is negative or not finite.
     Slack,
 }
 
@@ -324,21 +327,22 @@ impl fmt::Display for HierarchyError {
             Self::Order(node) => write!(f, "node {node} (from 0) is not in depth-first order"),
             Self::Leaf(slot) => write!(f, "no leaf holds the object in slot {slot} (from 0) next"),
             Self::TooDeep => f.write_str("the hierarchy is deeper than its type says"),
-            Self::Slack => f.write_str("the slack must be a number of at least 2^-17"),
+            Self::Slack => f.write_str("the slack must be finite and at least zero"),
         }
     }
 }
 
 impl core::error::Error for HierarchyError {}
 
-/// Objects of one kind under a hierarchy of boxes: a [`Geometry`] with the bits of the plain slice,
+/// Objects of one kind under a hierarchy of bounds: a [`Geometry`] with the bits of the plain slice,
 /// for rays whose direction is unit length.
 ///
-/// `DEPTH` is the most nodes on the way to an object; queries use 8 bytes of stack for each. `I`
-/// holds places: `u8` or `u16`, or `usize` where there are more than 2^16 objects.
+/// `B` is [`Aabb`] or [`Ball`]. `DEPTH` is the most nodes on the way to an object; queries use 8 bytes
+/// of stack for each. `I` holds places: `u8` or `u16`, or `usize` where there are more than 2^16
+/// objects.
 ///
 /// Below about eight objects the slice itself is faster. By the [`Micro`](crate::Micro) policy hits
-/// lie off their surfaces by percents of a radius, and those off their boxes may be missed.
+/// lie off their surfaces by percents of a radius, and those off their bounds may be missed.
 #[derive(Debug, PartialEq)]
 pub struct Hierarchy<'a, S, M, B, const DEPTH: usize, I = u16> {
     nodes: &'a [Node<B>],
@@ -356,9 +360,9 @@ impl<S, M, B, const DEPTH: usize, I> Clone for Hierarchy<'_, S, M, B, DEPTH, I> 
 
 impl<S, M, B, const DEPTH: usize, I> Copy for Hierarchy<'_, S, M, B, DEPTH, I> {}
 
-/// The slack that covers the rounding of the kernels in [`crate::shape`], cones of a slope of at most
-/// 1 included.
-pub const SLACK: f32 = 1.0 / (1 << 17) as f32;
+/// The usual slack: twice what the kernels in [`crate::shape`] need. Only frusta whose radius grows
+/// faster than the axis need more, in proportion.
+pub const SLACK: f32 = 128.0 / (1 << 24) as f32;
 
 impl<'a, S, M, B: Copy, const DEPTH: usize, I> Hierarchy<'a, S, M, B, DEPTH, I> {
     /// A hierarchy of arrays that a builder made; in a `static`, an error is one of the build.
@@ -367,7 +371,7 @@ impl<'a, S, M, B: Copy, const DEPTH: usize, I> Hierarchy<'a, S, M, B, DEPTH, I> 
     /// that was built over, [`Hit::object`](crate::Hit::object) for one, finds them by `places`, the
     /// place of each slot, and `slots`, the slot of each place.
     ///
-    /// `slack` is [`SLACK`], or more for shapes that are met further off their boxes. That boxes
+    /// `slack` is [`SLACK`], or more for shapes that are met further off their bounds. That bounds
     /// hold what is in them, and that `places` and `slots` are each other's inverse, is not checked:
     /// objects may then be missed or mistaken for others, but nothing worse.
     ///
@@ -388,7 +392,7 @@ impl<'a, S, M, B: Copy, const DEPTH: usize, I> Hierarchy<'a, S, M, B, DEPTH, I> 
             return Err(HierarchyError::Lengths);
         }
         // Also true for NaN.
-        if !(slack >= SLACK && slack < f32::INFINITY) {
+        if !(slack >= 0.0 && slack < f32::INFINITY) {
             return Err(HierarchyError::Slack);
         }
         // Every node is reached in the order in which it is stored, so none is reached twice, and the
@@ -573,7 +577,7 @@ impl<S: Shape, M, B: Bound<S>, const DEPTH: usize, I: Copy + Into<usize>> Geomet
         }
         let (t, place) = nearest?;
         ray.t_max = t;
-        Some(first + place)
+        Some(first.wrapping_add(place))
     }
 
     #[inline]
@@ -663,4 +667,193 @@ fn up_to(t: f32) -> f32 {
 #[inline(always)]
 fn is<T>(left: Option<(&T, Side)>, object: &T) -> bool {
     left.is_some_and(|(left, _)| core::ptr::eq(left, object))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::plane::Plane;
+    use crate::{Geometry, Hit};
+
+    type Balls<const DEPTH: usize> = Hierarchy<'static, Sphere, u8, Ball, DEPTH, u8>;
+
+    const fn ball(x: f32, material: &'static u8) -> Object<'static, Sphere, u8> {
+        let center = Vec3::new(x, 0.0, 0.0);
+        let shape = Sphere {
+            center,
+            radius: 1.0,
+        };
+        Object { shape, material }
+    }
+
+    const fn around(x: f32, radius: f32, link: u32) -> Child<Ball> {
+        let center = Vec3::new(x, 0.0, 0.0);
+        Child {
+            bound: Ball { center, radius },
+            link: Link::from_bits(link),
+        }
+    }
+
+    /// A row along x: the places 2, 0, 3 and 1. The last two are the same ball.
+    static ROW: [Object<Sphere, u8>; 4] =
+        [ball(-5.0, &2), ball(0.0, &0), ball(5.0, &3), ball(5.0, &1)];
+    static NODES: [Node<Ball>; 2] = [
+        Node([around(-5.0, 1.01, 0x8100_0000), around(2.5, 3.6, 1)]),
+        Node([
+            around(0.0, 1.01, 0x8100_0001),
+            around(5.0, 1.01, 0x8200_0002),
+        ]),
+    ];
+    static PLACES: [u8; 4] = [2, 0, 3, 1];
+    static SLOTS: [u8; 4] = [1, 3, 0, 2];
+    static TREE: Balls<2> = match Hierarchy::new(&NODES, &ROW, &PLACES, &SLOTS, SLACK) {
+        Ok(tree) => tree,
+        Err(_) => panic!("not a tree"),
+    };
+
+    fn place_and_t(hit: Option<Hit<'_, u8>>) -> Option<(usize, f32)> {
+        // The material says the same as the place.
+        hit.inspect(|it| assert_eq!(usize::from(*it.material), it.object % 10))
+            .map(|it| (it.object, it.t))
+    }
+
+    #[test]
+    fn places_are_those_of_the_slice_and_of_equals_the_first_wins() {
+        let cases = [
+            ("from the left", Vec3::X * -9.0, Vec3::X, Some((2, 3.0))),
+            ("from the right", Vec3::X * 9.0, Vec3::NEG_X, Some((1, 3.0))),
+            ("from inside", Vec3::ZERO, Vec3::X, Some((0, 1.0))),
+            ("between", Vec3::new(-2.5, 0.0, -9.0), Vec3::Z, None),
+            ("away", Vec3::X * 9.0, Vec3::X, None),
+            ("nowhere", Vec3::NAN, Vec3::X, None),
+            ("no direction", Vec3::X * -9.0, Vec3::NAN, None),
+        ];
+        for (name, origin, direction, expected) in cases {
+            let ray = Ray::new(origin, direction);
+            assert_eq!(place_and_t(TREE.closest_hit(&ray)), expected, "{name}");
+            assert_eq!(TREE.occluded(&ray), expected.is_some(), "{name}");
+        }
+        let short = Ray {
+            t_max: 3.0,
+            ..Ray::new(Vec3::X * -9.0, Vec3::X)
+        };
+        assert_eq!(place_and_t(TREE.closest_hit(&short)), None);
+        assert_eq!(TREE.len(), 4);
+    }
+
+    #[test]
+    fn pairs_count_on_and_departures_name_places() {
+        let wall = [Object {
+            shape: Plane {
+                point: Vec3::X * 20.0,
+                normal: Vec3::NEG_X,
+            },
+            material: &9,
+        }];
+        let floor = wall.each_ref().map(|it| Object {
+            shape: it.shape,
+            material: &0,
+        });
+        let pair = (wall.as_slice(), (TREE, floor.as_slice()));
+        let hit = pair
+            .closest_hit(&Ray::new(Vec3::X * -9.0, Vec3::X))
+            .unwrap();
+        assert_eq!((hit.object, *hit.material), (3, 2));
+        let inside = hit.through(Vec3::X);
+        let exit = pair.closest_hit(&inside).unwrap();
+        assert_eq!((exit.object, exit.t, exit.front), (3, 2.0, false));
+        let beyond = exit.through(Vec3::X);
+        assert_eq!(pair.closest_hit(&beyond).unwrap().object, 1);
+        assert_eq!(pair.len(), 6);
+        assert_eq!(pair.closest_hit(&hit.back(Vec3::NEG_X)), None);
+    }
+
+    #[test]
+    fn what_is_no_tree_is_refused() {
+        let swapped = [NODES[1], NODES[0]];
+        let circle = [Node([around(0.0, 9.0, 0), around(0.0, 9.0, 0x8400_0000)])];
+        let twice = [Node([
+            around(0.0, 9.0, 0x8200_0000),
+            around(0.0, 9.0, 0x8200_0000),
+        ])];
+        let none = [Node([
+            around(0.0, 9.0, 0x8000_0000),
+            around(0.0, 9.0, 0x8400_0000),
+        ])];
+        let too_few = [Node([
+            around(0.0, 9.0, 0x8100_0000),
+            around(0.0, 9.0, 0x8200_0001),
+        ])];
+        let beyond = [Node([
+            around(0.0, 9.0, 0x8400_0000),
+            around(0.0, 9.0, 0x8100_0004),
+        ])];
+        let far = [Node([around(0.0, 9.0, 7), around(0.0, 9.0, 0x8400_0000)])];
+        let huge = [Node([
+            around(0.0, 9.0, 0x7f00_0001),
+            around(0.0, 9.0, 0x8400_0000),
+        ])];
+        let unused = [NODES[0], NODES[1], NODES[1]];
+        let cases: [(&str, &[Node<Ball>], _); 10] = [
+            ("no nodes", &[], HierarchyError::Empty),
+            ("leaves out of order", &swapped, HierarchyError::Leaf(0)),
+            ("a node in itself", &circle, HierarchyError::Order(1)),
+            ("objects twice", &twice, HierarchyError::Leaf(2)),
+            ("an empty leaf", &none, HierarchyError::Leaf(0)),
+            ("too few objects", &too_few, HierarchyError::Leaf(3)),
+            ("more than there are", &beyond, HierarchyError::Leaf(5)),
+            ("a node that is not there", &far, HierarchyError::Order(1)),
+            ("bits without meaning", &huge, HierarchyError::Order(1)),
+            (
+                "a node that nothing leads to",
+                &unused,
+                HierarchyError::Order(2),
+            ),
+        ];
+        for (name, nodes, error) in cases {
+            let tree = Balls::<8>::error(nodes, &PLACES, SLACK);
+            assert_eq!(tree, Some(error), "{name}");
+        }
+        assert_eq!(
+            Balls::<1>::error(&NODES, &PLACES, SLACK),
+            Some(HierarchyError::TooDeep)
+        );
+        assert_eq!(
+            Balls::<0>::error(&NODES, &PLACES, SLACK),
+            Some(HierarchyError::TooDeep)
+        );
+        assert_eq!(
+            Balls::<2>::error(&NODES, &[0; 3], SLACK),
+            Some(HierarchyError::Lengths)
+        );
+        for slack in [-SLACK, f32::NAN, f32::INFINITY] {
+            assert_eq!(
+                Balls::<2>::error(&NODES, &PLACES, slack),
+                Some(HierarchyError::Slack)
+            );
+        }
+        assert_eq!(Balls::<2>::error(&NODES, &PLACES, SLACK), None);
+    }
+
+    impl<const DEPTH: usize> Balls<DEPTH> {
+        fn error(nodes: &[Node<Ball>], places: &[u8], slack: f32) -> Option<HierarchyError> {
+            Hierarchy::<_, _, _, DEPTH, _>::new(nodes, &ROW, places, &SLOTS, slack).err()
+        }
+    }
+
+    #[test]
+    fn places_that_are_none_are_never_a_panic() {
+        let places = [9; 4];
+        let tree = Hierarchy::<_, _, _, 2, u8>::new(&NODES, &ROW, &places, &places, SLACK).unwrap();
+        let ray = Ray::new(Vec3::X * -9.0, Vec3::X);
+        assert_eq!(tree.closest_hit(&ray), None);
+        assert!(tree.occluded(&ray));
+    }
+
+    #[test]
+    fn nodes_are_as_small_as_said() {
+        assert_eq!(size_of::<Node<Aabb>>(), 56);
+        assert_eq!(size_of::<Node<Ball>>(), 40);
+        assert_eq!(size_of::<(f32, Link)>(), 8);
+    }
 }
