@@ -3,13 +3,13 @@
 //! Every rung has its own material type, and so its own statics; shapes and colors are shared.
 
 use embedded_graphics::draw_target::DrawTarget;
-use embedded_graphics::pixelcolor::{Rgb565, RgbColor};
+use embedded_graphics::pixelcolor::{Rgb565, Rgb888};
 use embedded_graphics::prelude::{Point, Size};
 use embedded_graphics::primitives::Rectangle;
 use glam::Vec3;
 use whitted::{
     Counters, Cuboid, FillLight, Frustum, Geometry, Glass, Light, Material, Mirror, Object,
-    Objects, Patch, Phong, PhongReal, Plane, Polygon, Scene, Sphere, Triangle, View,
+    Objects, Patch, Phong, PhongReal, Plane, Polygon, Scene, Sphere, Triangle, View, picture,
 };
 
 use super::{Frame, Visitor, level_view};
@@ -324,8 +324,10 @@ macro_rules! ray_frame {
             fn draw<D: DrawTarget<Color = Rgb565>>(display: &mut D) -> Result<(), D::Error> {
                 let area = Rectangle::new(Point::zero(), Size::new(VIEW.width, VIEW.height));
                 let rays = (0..VIEW.height).flat_map(|y| VIEW.rays(y));
-                let is_lit = |ray| $color(&ray).x > 0.0;
-                let colors = rays.map(|ray| if is_lit(ray) { Rgb565::WHITE } else { Rgb565::BLACK });
+                let colors = rays.map(|ray| {
+                    let [red, green, blue] = picture::to_rgb8($color(&ray));
+                    Rgb565::from(Rgb888::new(red, green, blue))
+                });
                 display.fill_contiguous(&area, colors)
             }
 

@@ -25,7 +25,7 @@ impl<N: Number> Fraction<N> {
     }
 }
 
-fn solve<N: Number>(ray: &Line, min: [f32; 3], max: [f32; 3]) -> Option<Truth> {
+pub(super) fn solve<N: Number>(ray: &Line, min: [f32; 3], max: [f32; 3]) -> Option<Truth> {
     let (mut entry, mut exit): (Option<Fraction<N>>, Option<Fraction<N>>) = (None, None);
     for i in 0..3 {
         let (o, d) = (ray.origin[i], ray.direction[i]);
@@ -167,5 +167,88 @@ pub fn margins(ray: &Line, min: [f32; 3], max: [f32; 3]) -> Margins {
         } else {
             [root(0.5 * (entry + exit)), None]
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_answers() {
+        let cube = ([-1.0; 3], [1.0; 3]);
+        let along = |y, direction| Line {
+            origin: [-2.0, y, 0.0],
+            direction,
+        };
+        let edge = |y| Line {
+            origin: [0.0, y, 0.0],
+            direction: [1.0, 1.0, 0.0],
+        };
+        let step = f32::EPSILON;
+        let cases = [
+            (
+                "along an axis",
+                along(0.0, [1.0, -0.0, 0.0]),
+                cube,
+                Some(1.0),
+            ),
+            (
+                "in a face's plane",
+                along(1.0, [1.0, 0.0, -0.0]),
+                cube,
+                Some(1.0),
+            ),
+            (
+                "a step above it",
+                along(1.0 + step, [1.0, 0.0, 0.0]),
+                cube,
+                None,
+            ),
+            (
+                "inside",
+                Line {
+                    origin: [0.0; 3],
+                    direction: [1.0, 0.0, 0.0],
+                },
+                cube,
+                Some(1.0),
+            ),
+            ("through an edge", edge(-2.0), cube, Some(1.0)),
+            ("a step past it", edge(-2.0 - 2.0 * step), cube, None),
+            (
+                "flat",
+                Line {
+                    origin: [0.0, 1.0, 0.0],
+                    direction: [0.0, -1.0, 0.0],
+                },
+                ([-1.0, 0.0, -1.0], [1.0, 0.0, 1.0]),
+                Some(1.0),
+            ),
+            (
+                "no direction",
+                Line {
+                    origin: [0.0; 3],
+                    direction: [0.0; 3],
+                },
+                cube,
+                None,
+            ),
+        ];
+        for (name, ray, (min, max), t) in cases {
+            assert_eq!(truth(&ray, min, max).t, t, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_miss_is_as_far_off_as_the_edge_that_it_passes() {
+        let ray = Line {
+            origin: [0.0, -2.0 - 2.0 * f32::EPSILON, 0.0],
+            direction: [1.0, 1.0, 0.0],
+        };
+        let margins = margins(&ray, [-1.0; 3], [1.0; 3]);
+        assert!(!margins.meets);
+        // 4 u in y, of |o| + |b| + |t d| = 0 + 1 + 1 in x and 2 + 1 + 1 in y.
+        assert!((margins.line - 4.0 / 6.0).abs() < 1e-6, "{}", margins.line);
     }
 }

@@ -29,7 +29,7 @@ pub fn truth(ray: &Line, side: &Side) -> Truth {
     first_sure!(solve(ray, side))
 }
 
-fn solve<N: Number>(ray: &Line, side: &Side) -> Option<Truth> {
+pub(super) fn solve<N: Number>(ray: &Line, side: &Side) -> Option<Truth> {
     let d = Vector::<N>::new(ray.direction);
     let axis = Vector::new(side.axis);
     let q = Vector::new(ray.origin).minus(&Vector::new(side.base));
@@ -194,5 +194,101 @@ pub fn margins(ray: &Line, side: &Side) -> Margins {
         } else {
             [root(middle), None]
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_answers() {
+        let side = |base_radius, slope| Side {
+            base: [0.0; 3],
+            axis: [0.0, 1.0, 0.0],
+            length: 2.0,
+            base_radius,
+            slope,
+        };
+        let (cylinder, cone) = (side(1.0, 0.0), side(0.0, 0.75));
+        let across = |x, y| Line {
+            origin: [x, y, -3.0],
+            direction: [0.0, 0.0, 1.0],
+        };
+        let up = |x, y| Line {
+            origin: [x, y, 0.0],
+            direction: [0.0, 1.0, 0.0],
+        };
+        let cases = [
+            ("across", across(0.0, 1.0), cylinder, Some(2.0), false),
+            (
+                "off center",
+                across(0.5, 1.0),
+                cylinder,
+                Some(3.0 - 0.75_f64.sqrt()),
+                false,
+            ),
+            (
+                "beside",
+                across(1.0 + f32::EPSILON, 1.0),
+                cylinder,
+                None,
+                false,
+            ),
+            ("at the rim", across(0.0, 2.0), cylinder, Some(2.0), true),
+            (
+                "past the rim",
+                across(0.0, 2.0 + 2.0 * f32::EPSILON),
+                cylinder,
+                None,
+                false,
+            ),
+            ("through the hole", up(0.5, -3.0), cylinder, None, false),
+            ("cone", across(0.0, 1.0), cone, Some(2.25), false),
+            ("cone, below", across(0.0, -1.0), cone, None, false),
+            ("cone, from below", up(0.75, -3.0), cone, Some(4.0), false),
+            ("cone, apex", across(0.0, 0.0), cone, Some(3.0), true),
+            (
+                // Parallel to a side: one root only, and linear. 2 (t/√2 - 1) t/√2 … by hand: the ray
+                // (0, s, s - 1) meets |z| = 0.75 y where 1 - s = 0.75 s.
+                "cone, steep",
+                Line {
+                    origin: [0.0, 0.0, -1.0],
+                    direction: [0.0, 1.0, 1.0],
+                },
+                cone,
+                Some(1.0 / 1.75),
+                false,
+            ),
+        ];
+        for (name, ray, side, t, either) in cases {
+            let found = truth(&ray, &side);
+            assert_eq!(found.t.is_some(), t.is_some(), "{name}");
+            let error = found
+                .t
+                .zip(t)
+                .map_or(0.0, |(found, t)| (found / t - 1.0).abs());
+            assert!(error < 1e-14, "{name}: {found:?}");
+            assert_eq!(found.either, either, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_point_beyond_an_end_is_off_the_surface() {
+        let side = Side {
+            base: [0.0; 3],
+            axis: [0.0, 1.0, 0.0],
+            length: 2.0,
+            base_radius: 1.0,
+            slope: 0.0,
+        };
+        let ray = |y| Line {
+            origin: [0.0, y, -3.0],
+            direction: [0.0, 0.0, 1.0],
+        };
+        assert_eq!(residual(&ray(1.0), &side, 2.0), 0.0);
+        // A quarter above the rim, of |o| + |b| + length = 2.25 + 0 + 2.
+        let beyond = residual(&ray(2.25), &side, 2.0);
+        assert!((beyond * U - 0.25 / 4.25).abs() < 1e-12, "{beyond}");
     }
 }

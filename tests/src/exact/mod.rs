@@ -226,3 +226,154 @@ macro_rules! first_sure {
     };
 }
 use first_sure;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lab::random::{Random, Stream};
+
+    const MARGINS: Margins = Margins {
+        line: 7.0,
+        meets: true,
+        roots: [
+            Some(Root {
+                t: 1.0,
+                counts: true,
+                margin: 3.0,
+            }),
+            Some(Root {
+                t: 5.0,
+                counts: true,
+                margin: 4.0,
+            }),
+        ],
+    };
+
+    fn verdict(t: Option<f64>, answer: Option<f32>, margins: Margins) -> Verdict {
+        let truth = Truth { t, either: false };
+        // Off the surface by a tenth in the middle.
+        let residual = |t: f64| if t == 1.0 || t == 5.0 { 0.0 } else { 0.1 };
+        judge(&truth, answer, residual, || margins)
+    }
+
+    #[test]
+    fn verdicts() {
+        assert_eq!(verdict(Some(1.0), Some(1.0), MARGINS).backward, 0.0);
+        assert_eq!(verdict(Some(1.0), Some(1.5), MARGINS).backward, 0.1);
+        assert_eq!(verdict(Some(1.0), Some(1.5), MARGINS).forward, 0.5 / U);
+        // A miss: both roots have to go, or the line. A hit where none is: the nearest root has to
+        // count.
+        assert_eq!(verdict(Some(1.0), None, MARGINS).wrong, Some(4.0));
+        let near = Margins {
+            line: 2.0,
+            ..MARGINS
+        };
+        assert_eq!(verdict(Some(1.0), None, near).wrong, Some(2.0));
+        let behind = Margins {
+            roots: MARGINS.roots.map(|root| {
+                root.map(|root| Root {
+                    counts: false,
+                    ..root
+                })
+            }),
+            ..MARGINS
+        };
+        assert_eq!(verdict(None, Some(5.0), behind).wrong, Some(0.0));
+        assert_eq!(verdict(None, Some(5.5), behind).wrong, Some(0.1));
+        assert_eq!(verdict(None, None, behind).wrong, None);
+        // No distance at all.
+        for answer in [f32::NAN, f32::INFINITY, -1.0, 0.0] {
+            assert_eq!(
+                verdict(Some(1.0), Some(answer), MARGINS).wrong,
+                Some(f64::INFINITY)
+            );
+        }
+        let either = Truth {
+            t: Some(1.0),
+            either: true,
+        };
+        assert_eq!(judge(&either, None, |_| 0.0, || MARGINS).wrong, None);
+    }
+
+    #[test]
+    fn another_root_is_wrong_by_what_lies_between() {
+        // Between the roots the surface is a tenth away: less than what removes the first.
+        assert_eq!(verdict(Some(1.0), Some(5.0), MARGINS).backward, 0.1);
+    }
+
+    /// In both arithmetics on inputs as the sweeps have them: near everything that is hard.
+    #[test]
+    fn the_filter_agrees_with_exact_arithmetic() {
+        let mut random = Random::new(Stream {
+            seed: 1,
+            purpose: 2,
+            cell: 3,
+            chunk: 4,
+        });
+        let (mut decided, mut left) = (0, 0);
+        let mut compare = |fast: Option<Truth>, slow: Option<Truth>| {
+            let slow = slow.expect("exact arithmetic decides");
+            let Some(fast) = fast else {
+                left += 1;
+                return;
+            };
+            decided += 1;
+            assert_eq!(fast.either, slow.either);
+            assert_eq!(fast.t.is_some(), slow.t.is_some());
+            let error = fast
+                .t
+                .zip(slow.t)
+                .map_or(0.0, |(fast, slow)| (fast / slow - 1.0).abs());
+            assert!(error < 2.0_f64.powi(-39), "{fast:?} {slow:?}");
+        };
+        for i in 0..2000 {
+            let distance = 10.0_f64.powf(random.between(0.0, 6.0));
+            let direction = random.direction();
+            let side = random.across(direction);
+            // Within few roundings of the silhouette, or exactly through corners on a lattice.
+            let miss = 1.0 + random.signed() * U * distance;
+            let ray = |aim: crate::lab::random::Point| Line {
+                origin: (aim - direction * distance).round().to_array(),
+                direction: direction.unit().to_array(),
+            };
+            let tangent = ray(side * miss);
+            compare(
+                sphere::solve::<Bounded>(&tangent, [0.0; 3], 1.0),
+                sphere::solve::<Exact>(&tangent, [0.0; 3], 1.0),
+            );
+            let plane = side.cross(direction).round().to_array();
+            compare(
+                plane::solve::<Bounded>(&tangent, [0.0; 3], plane),
+                plane::solve::<Exact>(&tangent, [0.0; 3], plane),
+            );
+            let frustum = frustum::Side {
+                base: [0.0; 3],
+                axis: direction.cross(side).round().to_array(),
+                length: 1.0,
+                base_radius: 1.0,
+                slope: (i % 3) as f32 * 0.5,
+            };
+            compare(
+                frustum::solve::<Bounded>(&tangent, &frustum),
+                frustum::solve::<Exact>(&tangent, &frustum),
+            );
+            let mut whole = || [0; 3].map(|_| random.below(5) as f32 - 2.0);
+            let lattice = Line {
+                origin: whole(),
+                direction: whole(),
+            };
+            compare(
+                cuboid::solve::<Bounded>(&lattice, [-1.0; 3], [1.0; 3]),
+                cuboid::solve::<Exact>(&lattice, [-1.0; 3], [1.0; 3]),
+            );
+            let triangle = [whole(), whole(), whole()];
+            if let Some(fast) = polygon::surrounds::<Bounded>(&lattice, &triangle) {
+                assert_eq!(Some(fast), polygon::surrounds::<Exact>(&lattice, &triangle));
+            }
+        }
+        assert!(
+            decided > 5000 && left > 500,
+            "{decided} decided, {left} left"
+        );
+    }
+}

@@ -285,3 +285,75 @@ impl<N: Number> Vector<N> {
         [f(a, x), f(b, y), f(c, z)]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Formulas that cancel, in both arithmetics.
+    fn formulas<N: Number>([a, b, c, d]: [f32; 4]) -> Vec<N> {
+        let [a, b, c, d] = [a, b, c, d].map(N::new);
+        vec![
+            a.clone() * d.clone() - b.clone() * c.clone(),
+            (a.clone() + b.clone()) - (b.clone() + a.clone()),
+            (a.clone() * a.clone() + b.clone() * b.clone()) * c.clone() - d.clone() * d.clone(),
+            (a.clone() - b.clone()).over(c.clone() * c.clone() + N::new(1.0)),
+            (a.clone() * a.clone() + N::new(1.0)).sqrt() - d,
+            a * b.clone() * b * c.clone() * c,
+        ]
+    }
+
+    #[test]
+    fn what_is_certain_in_f64_is_true() {
+        let mut undecided = 0;
+        let mut bits = 1_u32;
+        let mut next = || {
+            bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // Few digits, so that differences vanish now and then.
+            ((bits >> 20) as i32 - 2048) as f32 * [1.0, 0.01, 1e-30, 1e20][bits as usize >> 5 & 3]
+        };
+        for _ in 0..3000 {
+            let inputs = [next(), next(), next(), next()];
+            for (bounded, exact) in formulas::<Bounded>(inputs)
+                .iter()
+                .zip(formulas::<Exact>(inputs))
+            {
+                let Some(sign) = bounded.sign() else {
+                    undecided += 1;
+                    continue;
+                };
+                assert_eq!(Some(sign), exact.sign(), "{inputs:?} {bounded:?} {exact:?}");
+                if let Some(value) = bounded.value() {
+                    let exact = exact.value().unwrap();
+                    let error = (value - exact).abs();
+                    assert!(
+                        error <= exact.abs() * 2.0_f64.powi(-39),
+                        "{inputs:?}: {value} {exact}"
+                    );
+                }
+            }
+        }
+        assert!(
+            (10..9000).contains(&undecided),
+            "{undecided} undecided say nothing"
+        );
+    }
+
+    #[test]
+    fn exact_sums_lose_nothing() {
+        let big = Exact::new(1e30) * Exact::new(1e30);
+        let small = Exact::new(f32::from_bits(1)) * Exact::new(f32::from_bits(1));
+        let sum = big.clone() + small.clone() - big;
+        assert_eq!(sum.value(), small.value());
+        assert_eq!(sum.sign(), Some(Ordering::Greater));
+    }
+
+    #[test]
+    fn what_vanishes_is_zero_but_for_256_bits() {
+        let third = Exact::new(1.0).over(Exact::new(3.0));
+        let rest = third.clone() + third.clone() + third - Exact::new(1.0);
+        assert_eq!(rest.vanishes(&Exact::new(1.0)), Some(true));
+        let step = Exact::new(2.0_f32.powi(-100));
+        assert_eq!(step.vanishes(&Exact::new(1.0)), Some(false));
+    }
+}

@@ -48,3 +48,52 @@ pub fn margins(ray: &Line, point: [f32; 3], normal: [f32; 3]) -> Margins {
         roots: [Some(root), None],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_answers() {
+        let floor = ([0.0; 3], [0.0, 1.0, 0.0]);
+        let above = |direction| Line {
+            origin: [0.0, 1.0, 0.0],
+            direction,
+        };
+        let within = |direction| Line {
+            origin: [0.0; 3],
+            direction,
+        };
+        let far = 8_388_608.0;
+        let cases = [
+            (
+                "horizon",
+                above([1.0, -(2.0_f32.powi(-20)), 0.0]),
+                floor,
+                Some(1_048_576.0),
+            ),
+            ("beside", above([1.0, 0.0, 0.0]), floor, None),
+            ("within", within([1.0, 0.0, 0.0]), floor, None),
+            ("away", above([0.0, 1.0, 0.0]), floor, None),
+            ("from the plane", within([0.0, -1.0, 0.0]), floor, None),
+            (
+                "beyond all f32",
+                above([1.0, -f32::from_bits(1), 0.0]),
+                floor,
+                None,
+            ),
+            (
+                "far from 0",
+                Line {
+                    origin: [far + 1.0, far + 2.0, far + 2.0],
+                    direction: [-1.0, -2.0, -2.0],
+                },
+                ([far; 3], [1.0, 2.0, 2.0]),
+                Some(1.0),
+            ),
+        ];
+        for (name, ray, (point, normal), t) in cases {
+            assert_eq!(truth(&ray, point, normal).t, t, "{name}");
+        }
+    }
+}

@@ -35,7 +35,7 @@ pub fn truth(ray: &Line, vertices: &[[f32; 3]], facing: Facing) -> Truth {
 
 /// Whether the outline goes round the ray; `Some(None)` where the ray passes through it, `None` where
 /// the arithmetic does not decide.
-fn surrounds<N: Number>(ray: &Line, vertices: &[[f32; 3]]) -> Option<Option<bool>> {
+pub(super) fn surrounds<N: Number>(ray: &Line, vertices: &[[f32; 3]]) -> Option<Option<bool>> {
     // The ray's longest component, so that it is not zero, and the two others.
     let d = ray.direction;
     let z = if d[0].abs() > d[1].abs() && d[0].abs() > d[2].abs() {
@@ -167,5 +167,77 @@ pub fn margins(ray: &Line, vertices: &[[f32; 3]], facing: Facing, inside: bool) 
             }),
             None,
         ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Outline<'a> = &'a [(f32, f32)];
+
+    const FACING: Facing = Facing::Normal([0.0, 0.0, 1.0]);
+
+    fn ask(outline: Outline<'_>, (x, y): (f32, f32)) -> Truth {
+        let vertices: Vec<_> = outline.iter().map(|&(x, y)| [x, y, 0.0]).collect();
+        let ray = Line {
+            origin: [x, y, 1.0],
+            direction: [0.0, 0.0, -1.0],
+        };
+        let truth = truth(&ray, &vertices, FACING);
+        assert_eq!(truth, super::truth(&ray, &vertices, FACING));
+        truth
+    }
+
+    #[test]
+    fn known_answers() {
+        let bent = [
+            (2.0, 0.0),
+            (2.0, 1.0),
+            (1.0, 1.0),
+            (1.0, 2.0),
+            (0.0, 2.0),
+            (0.0, 0.0),
+        ];
+        let bow = [(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)];
+        let straight = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)];
+        let repeated = [(0.0, 0.0), (0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let diamond = [(0.0, 0.5), (0.5, 0.0), (1.0, 0.5), (0.5, 1.0)];
+        let small = 2.0_f32.powi(-40);
+        let cases: [(Outline<'_>, (f32, f32), bool); 14] = [
+            (&bent, (1.2, 1.2), false),
+            (&bent, (0.5, 1.5), true),
+            (&bent, (1.5, 0.5), true),
+            (&bow, (0.25, 1.0), true),
+            (&bow, (1.75, 1.0), true),
+            (&bow, (1.0, 0.25), false),
+            (&bow, (1.0, 1.75), false),
+            (&straight, (1.0, 1.0), true),
+            (&repeated, (0.5, 0.5), true),
+            (
+                &[(0.0, 0.0), (small, 0.0), (0.0, small)],
+                (small / 4.0, small / 4.0),
+                true,
+            ),
+            (&diamond, (0.5, 0.5), true),
+            (&diamond, (-0.5, 0.5), false),
+            (&diamond, (1.5, 0.5), false),
+            (&bent, (1.0 + f32::EPSILON, 1.5), false),
+        ];
+        for (outline, point, inside) in cases {
+            let truth = ask(outline, point);
+            assert_eq!(truth.t, inside.then_some(1.0), "{outline:?} {point:?}");
+            assert!(!truth.either, "{outline:?} {point:?}");
+        }
+    }
+
+    #[test]
+    fn on_the_outline_either_is_right() {
+        let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        for point in [(1.0, 0.5), (0.5, 0.0), (1.0, 1.0), (0.0, 0.0)] {
+            assert!(ask(&square, point).either, "{point:?}");
+        }
+        // On an edge's line, beyond its ends.
+        assert!(!ask(&square, (2.0, 0.0)).either);
     }
 }

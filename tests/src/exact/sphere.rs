@@ -13,7 +13,7 @@ pub fn truth(ray: &Line, center: [f32; 3], radius: f32) -> Truth {
 }
 
 /// `None` where the arithmetic does not decide.
-fn solve<N: Number>(ray: &Line, center: [f32; 3], radius: f32) -> Option<Truth> {
+pub(super) fn solve<N: Number>(ray: &Line, center: [f32; 3], radius: f32) -> Option<Truth> {
     let d = Vector::<N>::new(ray.direction);
     let f = Vector::new(center).minus(&Vector::new(ray.origin));
     let radius = N::new(radius);
@@ -73,5 +73,116 @@ pub fn margins(ray: &Line, center: [f32; 3], radius: f32) -> Margins {
         line: residual(ray, center, radius, middle),
         meets: half_chord_squared >= 0.0,
         roots: [root(middle - half_chord), root(middle + half_chord)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const U32: f32 = f32::EPSILON * 0.5;
+
+    #[test]
+    fn known_answers() {
+        let ray = |origin, direction| Line { origin, direction };
+        let ahead = |x, z| ray([x, 0.0, z], [0.0, 0.0, 1.0]);
+        let (zero, tiny) = ([0.0; 3], 2.0_f32.powi(-80));
+        // Exact answers by rational arithmetic, rounded to 15 digits.
+        let cases = [
+            ("tangent", ahead(1.0, -3.0), zero, 1.0, Some(3.0)),
+            (
+                "a step inside",
+                ahead(1.0 - U32, -3.0),
+                zero,
+                1.0,
+                Some(2.999_654_733_022_14),
+            ),
+            (
+                "a step outside",
+                ahead(1.0 + 2.0 * U32, -3.0),
+                zero,
+                1.0,
+                None,
+            ),
+            (
+                "far",
+                ahead(0.5, -10_000.0),
+                zero,
+                1.0,
+                Some(9_999.133_974_596_22),
+            ),
+            ("far outside", ahead(1.5, -10_000.0), zero, 1.0, None),
+            ("center", ray(zero, [0.0, 1.0, 0.0]), zero, 2.0, Some(2.0)),
+            (
+                "surface, out",
+                ray([0.0, 0.0, -1.0], [0.0, 0.0, -1.0]),
+                zero,
+                1.0,
+                None,
+            ),
+            (
+                "surface, in",
+                ray([0.0, 0.0, -1.0], [0.0, 0.0, 1.0]),
+                zero,
+                1.0,
+                Some(2.0),
+            ),
+            (
+                "surface, along",
+                ray([0.0, 0.0, -1.0], [1.0, 0.0, 0.0]),
+                zero,
+                1.0,
+                None,
+            ),
+            (
+                "long direction",
+                ray(zero, [3.0, 4.0, 0.0]),
+                [6.0, 8.0, 0.0],
+                5.0,
+                Some(1.0),
+            ),
+            (
+                "ground",
+                ray([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]),
+                [0.0, -1e6, 0.0],
+                1e6,
+                Some(1.0),
+            ),
+            (
+                "tiny",
+                ahead(0.0, -3.0 * tiny),
+                zero,
+                tiny,
+                Some(2.0_f64.powi(-79)),
+            ),
+            ("no direction", ray([0.0, 0.0, -3.0], zero), zero, 1.0, None),
+        ];
+        for (name, ray, center, radius, t) in cases {
+            let found = truth(&ray, center, radius).t;
+            let error = found.zip(t).map(|(found, t)| (found / t - 1.0).abs());
+            assert_eq!(found.is_some(), t.is_some(), "{name}");
+            assert!(error.unwrap_or(0.0) < 1e-14, "{name}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn errors_are_counted_in_roundings_of_the_inputs() {
+        let ray = Line {
+            origin: [0.0, 0.0, -3.0],
+            direction: [0.0, 0.0, 1.0],
+        };
+        // |o| + |t d| + |c| + r = 3 + 2 + 0 + 1.
+        let residual = residual(&ray, [0.0; 3], 1.0, 2.0 * (1.0 + 3.0 * U));
+        assert!((residual - 1.0).abs() < 1e-6, "{residual}");
+        // One step outside the silhouette: 2 u of |o| + r = 1 + 1.
+        let beside = Line {
+            origin: [1.0 + 2.0 * U32, 0.0, -3.0],
+            ..ray
+        };
+        let margins = margins(&beside, [0.0; 3], 1.0);
+        assert!(
+            !margins.meets && (margins.line - 1.0).abs() < 1e-6,
+            "{margins:?}"
+        );
     }
 }

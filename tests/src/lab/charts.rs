@@ -62,12 +62,7 @@ pub fn draw_all(results: &Results, folder: &Path) -> Result<(), Failure> {
 /// Cost against error of the intersections, on one sheet.
 fn overview(results: &Results, path: &Path) -> Result<(), Failure> {
     let stages = [
-        "sphere",
-        "plane",
-        "polygon",
-        "cuboid",
-        "frustum",
-        "normalize",
+        "sphere", "plane", "triangle", "polygon", "cuboid", "frustum",
     ];
     let canvas = SVGBackend::new(path, (1240, 1200)).into_drawing_area();
     canvas.fill(&WHITE)?;

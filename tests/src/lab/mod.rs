@@ -180,3 +180,118 @@ fn line(ray: &Ray) -> Line {
         direction: ray.direction.to_array(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLAN: Plan = Plan {
+        seed: 3,
+        inputs: 300,
+        rays: 1000,
+        our_rays: 3000,
+    };
+
+    fn worst(results: &Results, stage: &str, method: &str) -> (f64, f64) {
+        let rows = || {
+            let is = |row: &&Row| row.stage == stage && row.method == method;
+            results
+                .rows
+                .iter()
+                .filter(is)
+                .filter(|row| !row.sweep.ends_with("extreme"))
+        };
+        assert!(rows().count() > 0, "{stage}: {method}");
+        let max = |of: fn(&Row) -> f64| rows().map(of).fold(0.0, f64::max);
+        (max(|row| row.backward), max(|row| row.band))
+    }
+
+    /// Few inputs, so the bounds have room; the lab's tables have the extremes of many.
+    #[test]
+    fn whitted_is_within_its_bounds_and_the_text_books_are_not() {
+        let intersections = [
+            "sphere", "plane", "triangle", "polygon", "cuboid", "frustum",
+        ];
+        let results = measure(PLAN, |stage| intersections.contains(&stage), &|_, _| {});
+        for stage in intersections {
+            let (backward, band) = worst(&results, stage, "core");
+            // A plane's distance is a quotient of two sums of three products.
+            let is_quadric = ["sphere", "cuboid", "frustum"].contains(&stage);
+            let most = if is_quadric { 2.0 } else { 2.5 };
+            assert!(backward <= most, "{stage}: {backward} u");
+            // The horizon: the sign of three products that cancel.
+            let most = if stage == "plane" { 1.5 } else { 1.0 };
+            assert!(band <= most, "{stage}: wrong {band} u from the silhouette");
+        }
+        for (stage, method) in [
+            ("sphere", "half b"),
+            ("plane", "point, |n.d| > 1e-6"),
+            ("polygon", "angles, acos"),
+            ("cuboid", "o/d folded"),
+            ("frustum", "plain"),
+        ] {
+            let (backward, band) = worst(&results, stage, method);
+            assert!(
+                backward.max(band) > 100.0,
+                "{stage}, {method}: {backward} u, {band} u"
+            );
+        }
+    }
+
+    #[test]
+    fn whitted_does_not_shadow_itself_leak_or_lose_digits() {
+        let functions = [
+            "sqrt",
+            "rsqrt",
+            "normalize",
+            "power",
+            "power, real",
+            "secondary",
+        ];
+        let results = measure(PLAN, |stage| functions.contains(&stage), &|_, _| {});
+        let bound = |stage: &str, most: f64| {
+            let (error, _) = worst(&results, stage, "core");
+            assert!(error <= most, "{stage}: {error}");
+        };
+        bound("sqrt", 1.0);
+        bound("rsqrt", 1.5);
+        bound("normalize", 3.0);
+        bound("power", 0.01);
+        bound("power, real", 0.01);
+        for row in results.rows.iter().filter(|row| row.stage == "secondary") {
+            // Among neighbours a ray has to be told from one that starts a rounding lower.
+            if row.method == "core" && row.sweep != "neighbour" {
+                assert_eq!(row.wrong, 0, "{row:?}");
+            }
+            if row.method == "nothing" && row.sweep.starts_with("acne") {
+                assert!(row.wrong > row.n / 4, "{row:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_ray_passes_between_faces_or_meets_two() {
+        let results = measure(PLAN, |stage| stage == "watertight", &|_, _| {});
+        let ours = results.leaks.iter().filter(|leaks| leaks.method == "core");
+        assert_eq!(ours.clone().count(), 12);
+        for leaks in ours {
+            assert_eq!((leaks.holes, leaks.doubles), (0, 0), "{leaks:?}");
+        }
+        assert!(
+            results
+                .leaks
+                .iter()
+                .any(|leaks| leaks.method == "f64 crossings" && leaks.holes > 0)
+        );
+    }
+
+    #[test]
+    fn threads_do_not_change_what_is_measured() {
+        let run = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let sphere = || measure(PLAN, |stage| stage == "sphere", &|_, _| {});
+            pool.expect("threads").install(sphere).rows
+        };
+        assert_eq!(run(1), run(3));
+    }
+}
