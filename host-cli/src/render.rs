@@ -2,14 +2,16 @@
 
 use std::ops::Range;
 
+use fearless_simd::Level;
 use glam::Vec3;
 use rayon::prelude::*;
 use whitted::picture::{quantize, to_rgb8};
-use whitted::{Counters, Exact, Tracer, View};
+use whitted::{Counters, Exact, Scene, Tracer, View};
 
 use crate::picture::Transfer;
-use crate::scene::AnyScene;
+use crate::scene::{AnyScene, Light, Material};
 use crate::scene_file::limits;
+use crate::wide::Wide;
 
 /// How far rays are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,8 +39,31 @@ pub fn render<E>(
     rows: Range<u32>,
     settings: Settings,
     row_done: impl Fn() + Sync,
+    emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+) -> Result<Counters, E> {
+    render_at(Level::new(), scene, view, rows, settings, row_done, emit)
+}
+
+/// As [`render`], by instructions of choice: no bit depends on them.
+///
+/// # Errors
+///
+/// As [`render`]'s.
+pub fn render_at<E>(
+    level: Level,
+    scene: &AnyScene<'_>,
+    view: &View,
+    rows: Range<u32>,
+    settings: Settings,
+    row_done: impl Fn() + Sync,
     mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
 ) -> Result<Counters, E> {
+    let scene = &Scene {
+        geometry: Wide::with_level(scene.geometry, level),
+        lights: scene.lights,
+        background: scene.background,
+        ambient: scene.ambient,
+    };
     let width = view.width as usize;
     let mut counters = Counters::default();
     let mut pixels = Vec::new();
@@ -65,7 +90,7 @@ pub fn render<E>(
 }
 
 fn render_row(
-    scene: &AnyScene<'_>,
+    scene: &Scene<'_, Wide<'_, Material>, Light>,
     view: &View,
     row: u32,
     settings: Settings,
