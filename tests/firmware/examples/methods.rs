@@ -5,42 +5,23 @@
 #![no_std]
 #![no_main]
 
-use core::hint::black_box;
+mod slots;
 
+use slots::Slots;
 use whitted_methods::price::{self, Entry, Meter};
 
-type Slot = fn(run: &mut dyn FnMut());
-
-seq_macro::seq!(N in 0..256 {
-    #(
-        #[unsafe(no_mangle)]
-        #[inline(never)]
-        fn slot_~N(run: &mut dyn FnMut()) {
-            // No two are alike, or the compiler makes one of them.
-            black_box(N);
-            run();
-        }
-    )*
-
-    static SLOTS: [Slot; 256] = [#(slot_~N,)*];
-});
-
 /// Runs each entry in the next slot.
-struct Slots(usize);
+struct InSlots(Slots);
 
-impl Meter for Slots {
+impl Meter for InSlots {
     #[inline(never)]
     fn measure(&mut self, _: Entry, mut run: impl FnMut()) {
-        if let Some(slot) = SLOTS.get(self.0) {
-            slot(&mut run);
-        }
-        // After the call, so that the slot returns to here: the end of what is counted.
-        self.0 = black_box(self.0 + 1);
+        self.0.run(&mut run);
     }
 }
 
 whitted_firmware::entry!({
-    let mut slots = Slots(0);
+    let mut slots = InSlots(Slots::new());
     price::all(&mut slots);
-    whitted_firmware::report("entries", slots.0 as u64);
+    slots.0.report();
 });

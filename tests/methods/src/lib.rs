@@ -12,6 +12,7 @@
 
 pub mod compensated;
 pub mod cuboid;
+pub mod frames;
 pub mod frustum;
 pub mod plane;
 pub mod polygon;

@@ -4,24 +4,27 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::Parser;
-use whitted_tests::lab::{self, Plan, charts, cycles, pricing};
+use indicatif::{ProgressBar, ProgressStyle};
+use whitted_tests::lab::charts::{self, Failure};
+use whitted_tests::lab::{self, Plan, cycles, pricing};
 
 /// The method lab of whitted.
 #[derive(Parser)]
 struct Arguments {
-    /// A million inputs a cell and 10^9 rays at shared edges: for an hour, not a minute.
+    /// 10^7 rays a primitive and 10^9 rays at shared edges: for hours, not minutes.
     #[arg(long)]
     full: bool,
-    /// Only these stages, as named in sweeps.csv, or `watertight`.
-    #[arg(long, value_name = "STAGE")]
+    /// Only these stages, as named in sweeps.csv, or `watertight`, or `frames`.
+    #[arg(long, value_name = "STAGE", requires = "out")]
     only: Vec<String>,
-    /// Where the tables and charts go.
-    #[arg(long, value_name = "FOLDER", default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/charts"))]
-    out: PathBuf,
-    /// Prices the methods anew, in QEMU, and writes cycles.csv before all else.
+    /// Where the tables and charts go, if not where the committed ones are.
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Prices methods and frames anew, in QEMU, and writes cycles.csv and frame-cycles.csv. Where the
+    /// tools for that are missing, the committed figures serve.
     #[arg(long)]
     price: bool,
     /// Writes nothing, and fails where a method that whitted uses is not on the front.
@@ -39,11 +42,19 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> Result<ExitCode, charts::Failure> {
+fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let start = Instant::now();
-    let cycles = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/charts/cycles.csv"));
-    if arguments.price {
+    let committed = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/charts"));
+    let (cycles, frame_cycles) = (
+        committed.join("cycles.csv"),
+        committed.join("frame-cycles.csv"),
+    );
+    let counted = arguments.price && pricing::is_possible();
+    if counted {
         lab::table(&cycles, &pricing::measure()?)?;
+        lab::table(&frame_cycles, &pricing::frames()?)?;
+    } else if arguments.price {
+        eprintln!("no compiler or no emulator for the part: the committed figures serve");
     }
     let plan = if arguments.full {
         Plan::FULL
@@ -52,19 +63,29 @@ fn run(arguments: &Arguments) -> Result<ExitCode, charts::Failure> {
     };
     let wanted =
         |stage: &str| arguments.only.is_empty() || arguments.only.iter().any(|one| one == stage);
+    let bar = ProgressBar::no_length().with_style(ProgressStyle::with_template(
+        "{elapsed:>4} {spinner} {msg}",
+    )?);
+    bar.enable_steady_tick(Duration::from_millis(200));
     let mut results = lab::measure(plan, wanted, &|stage, sweep| {
-        eprintln!("{:6.1} s  {stage}: {sweep}", start.elapsed().as_secs_f64());
+        let text = format!("{stage}: {sweep}");
+        // A log has no bar, but lines.
+        if bar.is_hidden() {
+            eprintln!("{:6.1} s  {text}", start.elapsed().as_secs_f64());
+        }
+        bar.set_message(text);
     });
+    bar.finish_and_clear();
     results.prices = cycles::read(&cycles)?;
+    results.frame_prices = cycles::read(&frame_cycles)?;
+    results.counted = counted;
     if !arguments.check {
-        std::fs::create_dir_all(&arguments.out)?;
-        lab::write(&results, &arguments.out)?;
-        charts::draw_all(&results, &arguments.out)?;
-        eprintln!(
-            "{:6.1} s  wrote {}",
-            start.elapsed().as_secs_f64(),
-            arguments.out.display()
-        );
+        let out = arguments.out.as_ref().unwrap_or(&committed);
+        std::fs::create_dir_all(out)?;
+        lab::write(&results, out)?;
+        charts::draw_all(&results, out)?;
+        let seconds = start.elapsed().as_secs_f64();
+        eprintln!("{seconds:6.1} s  wrote {}", out.display());
         return Ok(ExitCode::SUCCESS);
     }
     let unpriced = results.unpriced();

@@ -1,10 +1,12 @@
 //! The lab's pictures.
 //!
 //! Of each stage, cost against worst error (`price_and_error`) and wrong answers against difficulty
-//! (`difficulty`); of the polygons also what leaks through closed meshes (`leaks`). Marks and lines
-//! carry their names: there are no legends to look up.
+//! (`difficulty`); of the polygons also what leaks through closed meshes (`leaks`); and of whole frames,
+//! cost against pixels that are off (`frames`). Marks and lines carry their names: there are no legends
+//! to look up.
 
 mod difficulty;
+mod frames;
 mod labels;
 mod leaks;
 mod price_and_error;
@@ -45,10 +47,9 @@ pub fn draw_all(results: &Results, folder: &Path) -> Result<(), Failure> {
             continue;
         }
         let path = folder.join(format!("{}.svg", name(subject.stage)));
-        let canvas = SVGBackend::new(&path, (760, 460)).into_drawing_area();
-        canvas.fill(&WHITE)?;
-        price_and_error::draw(&canvas, subject, &marks)?;
-        canvas.present()?;
+        sheet(&path, (760, 460), |canvas| {
+            price_and_error::draw(canvas, subject, &marks, results.source())
+        })?;
         difficulty::draw(
             results,
             subject,
@@ -56,7 +57,23 @@ pub fn draw_all(results: &Results, folder: &Path) -> Result<(), Failure> {
         )?;
     }
     overview(results, &folder.join("overview.svg"))?;
+    frames::draw(results, &folder.join("frames.svg"))?;
     leaks::draw(&results.leaks, &folder.join("watertight.svg"))
+}
+
+/// Draws a sheet of this size and writes it, all of it or nothing.
+fn sheet(
+    path: &Path,
+    size: (u32, u32),
+    draw: impl FnOnce(&Canvas<'_>) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let mut text = String::new();
+    let canvas = SVGBackend::with_string(&mut text, size).into_drawing_area();
+    canvas.fill(&WHITE)?;
+    draw(&canvas)?;
+    canvas.present()?;
+    drop(canvas);
+    Ok(super::save(path, text.as_bytes())?)
 }
 
 /// Cost against error of the intersections, on one sheet.
@@ -64,19 +81,21 @@ fn overview(results: &Results, path: &Path) -> Result<(), Failure> {
     let stages = [
         "sphere", "plane", "triangle", "polygon", "cuboid", "frustum",
     ];
-    let canvas = SVGBackend::new(path, (1240, 1200)).into_drawing_area();
-    canvas.fill(&WHITE)?;
-    let cells = canvas.split_evenly((3, 2));
-    for (cell, stage) in cells.iter().zip(stages) {
-        let Some(subject) = SUBJECTS.iter().find(|subject| subject.stage == stage) else {
-            continue;
-        };
-        let marks = results.marks(subject);
-        if !marks.is_empty() {
-            price_and_error::draw(cell, subject, &marks)?;
-        }
+    let subject = |stage| SUBJECTS.iter().find(|subject| subject.stage == stage);
+    let subjects: Vec<_> = stages.into_iter().filter_map(subject).collect();
+    let marks: Vec<_> = subjects.iter().map(|it| results.marks(it)).collect();
+    if marks.iter().all(Vec::is_empty) {
+        return Ok(());
     }
-    Ok(canvas.present()?)
+    sheet(path, (1240, 1200), |canvas| {
+        let cells = canvas.split_evenly((3, 2));
+        for ((cell, subject), marks) in cells.iter().zip(subjects).zip(&marks) {
+            if !marks.is_empty() {
+                price_and_error::draw(cell, subject, marks, results.source())?;
+            }
+        }
+        Ok(())
+    })
 }
 
 /// Numbers of a logarithmic axis: plain where short, powers of ten where not.

@@ -5,6 +5,8 @@
 
 use std::path::Path;
 
+use serde::de::DeserializeOwned;
+
 /// A line of `cycles.csv`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Price {
@@ -24,12 +26,12 @@ pub struct Price {
     pub bytes: u64,
 }
 
-/// All prices; none if there is no such file.
+/// All lines of a table; none if there is no such file.
 ///
 /// # Errors
 ///
 /// Where the file is there and cannot be read.
-pub fn read(path: &Path) -> Result<Vec<Price>, csv::Error> {
+pub fn read<L: DeserializeOwned>(path: &Path) -> Result<Vec<L>, csv::Error> {
     if path.exists() {
         csv::Reader::from_path(path)?.deserialize().collect()
     } else {

@@ -1,6 +1,7 @@
 //! Which methods are worth their price, and whether `whitted` uses such ones.
 
 use super::cycles::{self, Cost, Price};
+use super::frames::{Frame, FramePrice};
 use super::special::Outcome;
 use super::tally::Row;
 use super::watertight::Leaks;
@@ -91,8 +92,14 @@ pub struct Results {
     pub special: Vec<Outcome>,
     /// The meshes.
     pub leaks: Vec<Leaks>,
-    /// The prices.
+    /// The frames.
+    pub frames: Vec<Frame>,
+    /// The methods' prices.
     pub prices: Vec<Price>,
+    /// The frames' prices.
+    pub frame_prices: Vec<FramePrice>,
+    /// Whether the prices were counted in this run, or are the committed ones.
+    pub counted: bool,
 }
 
 impl Results {
@@ -157,6 +164,14 @@ impl Results {
             }
         }
         complaints
+    }
+
+    /// Where the prices come from, for the charts.
+    pub fn source(&self) -> &'static str {
+        match self.counted {
+            true => "traced in QEMU",
+            false => "committed figures",
+        }
     }
 
     /// The subjects whose winner has no price yet.

@@ -3,6 +3,7 @@
 pub mod charts;
 pub mod cuboid;
 pub mod cycles;
+pub mod frames;
 pub mod front;
 pub mod frustum;
 pub mod mesh;
@@ -18,10 +19,12 @@ pub mod sweep;
 pub mod tally;
 pub mod watertight;
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use serde::Serialize;
 use whitted::Ray;
+use whitted_cli::output::Output;
 
 use crate::exact::Line;
 use front::Results;
@@ -39,6 +42,8 @@ pub struct Plan {
     pub rays: u64,
     /// The same for the method that `whitted` uses alone.
     pub our_rays: u64,
+    /// Width of the frames in pixels; they are three quarters as high.
+    pub width: u32,
 }
 
 impl Plan {
@@ -48,6 +53,7 @@ impl Plan {
         inputs: 20_000,
         rays: 20_000,
         our_rays: 1_000_000,
+        width: 320,
     };
 
     /// A million inputs a cell, and 10^9 rays at edges and corners.
@@ -56,6 +62,7 @@ impl Plan {
         inputs: 1_000_000,
         rays: 1_000_000,
         our_rays: 83_400_000,
+        width: 640,
     };
 }
 
@@ -107,7 +114,11 @@ pub fn measure(
         rows,
         special: special::run(),
         leaks,
-        prices: Vec::new(),
+        frames: match wanted("frames") {
+            true => frames::run(plan.width, progress),
+            false => Vec::new(),
+        },
+        ..Results::default()
     }
 }
 
@@ -132,6 +143,7 @@ pub fn write(results: &Results, folder: &Path) -> Result<(), csv::Error> {
     table(&folder.join("sweeps.csv"), &results.rows)?;
     table(&folder.join("special.csv"), &results.special)?;
     table(&folder.join("watertight.csv"), &results.leaks)?;
+    table(&folder.join("frames.csv"), &results.frames)?;
     let mut worst: Vec<Worst> = Vec::new();
     for row in results
         .rows
@@ -160,17 +172,31 @@ pub fn write(results: &Results, folder: &Path) -> Result<(), csv::Error> {
     table(&folder.join("worst.csv"), &worst)
 }
 
-/// Writes lines into a file, with a heading.
+/// Writes lines into a file, with a heading; all of them, or the file stays as it was.
 ///
 /// # Errors
 ///
 /// Where it cannot be written.
 pub fn table(path: &Path, lines: &[impl Serialize]) -> Result<(), csv::Error> {
-    let mut writer = csv::Writer::from_path(path)?;
+    let mut text = Vec::new();
+    let mut writer = csv::Writer::from_writer(&mut text);
     for line in lines {
         writer.serialize(line)?;
     }
-    Ok(writer.flush()?)
+    writer.flush()?;
+    drop(writer);
+    Ok(save(path, &text)?)
+}
+
+/// Makes these the file's content at once.
+///
+/// # Errors
+///
+/// Where it cannot be written.
+pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let output = Output::create(path)?;
+    output.sink()?.write_all(bytes)?;
+    output.commit()
 }
 
 /// A ray as the oracle takes it.
@@ -190,6 +216,7 @@ mod tests {
         inputs: 300,
         rays: 1000,
         our_rays: 3000,
+        width: 32,
     };
 
     fn worst(results: &Results, stage: &str, method: &str) -> (f64, f64) {

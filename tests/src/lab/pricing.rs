@@ -1,16 +1,19 @@
-//! Prices of all methods on the parts: builds `tests/firmware/examples/methods.rs`, runs it in QEMU
-//! and counts.
+//! Prices on the parts: builds `tests/firmware/examples`, runs them in QEMU and counts.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+use whitted_methods::frames::{PRICED, Setting, checksum, settings};
 use whitted_methods::price::{self, EMPTY, Entry, Meter};
 
 use super::cycles::Price;
+use super::frames::FramePrice;
+use super::front::TARGET;
 use crate::embedded::image::Image;
 use crate::embedded::profile::Profile;
+use crate::embedded::run::Report;
 use crate::embedded::target::{CORTEX_M0, CORTEX_M4F, Target};
 use crate::embedded::{cortex_m4, firmware, run};
 
@@ -23,7 +26,41 @@ impl Meter for Entries {
     }
 }
 
-/// Prices everything.
+/// Whether the compiler and the emulator for that are here.
+pub fn is_possible() -> bool {
+    matches!(firmware::compiler(), Ok(Some(_))) && run::is_available(CORTEX_M4F.machine)
+}
+
+/// What ran in the slots of one of the firmware's examples.
+struct Counted {
+    image: Image,
+    report: Report,
+    profiles: Vec<Profile>,
+}
+
+impl Counted {
+    /// Builds an example for a part and runs it there, with `slots` things to count.
+    fn run(example: &str, target: &Target, slots: usize) -> Result<Self> {
+        let plugin = run::build_plugin(&firmware::build_directory())?;
+        let image = Image::read(&build(example, target)?)?;
+        let names: Vec<String> = (0..slots).map(|i| format!("slot_{i}")).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let (report, profiles) = run::run_counted(target, &image, &names, &plugin)?;
+        let ran = report.get("entries").copied();
+        ensure!(ran == Some(slots as u64), "{example} ran {ran:?} entries");
+        ensure!(
+            profiles.iter().all(|profile| profile.calls == 1),
+            "an entry of {example} did not run once"
+        );
+        Ok(Self {
+            image,
+            report,
+            profiles,
+        })
+    }
+}
+
+/// Prices all methods.
 ///
 /// # Errors
 ///
@@ -32,31 +69,52 @@ impl Meter for Entries {
 pub fn measure() -> Result<Vec<Price>> {
     let mut entries = Entries(Vec::new());
     price::all(&mut entries);
-    let plugin = run::build_plugin(&firmware::build_directory())?;
     let mut prices = Vec::new();
-    for (name, target) in [("cortex-m4f", CORTEX_M4F), ("cortex-m0", CORTEX_M0)] {
-        let image = Image::read(&build(&target)?)?;
-        let slots: Vec<String> = (0..entries.0.len()).map(|i| format!("slot_{i}")).collect();
-        let slots: Vec<&str> = slots.iter().map(String::as_str).collect();
-        let (report, profiles) = run::run_counted(&target, &image, &slots, &plugin)?;
-        let ran = report.get("entries").copied();
-        ensure!(
-            ran == Some(slots.len() as u64),
-            "the firmware ran {ran:?} entries"
-        );
+    for (name, target) in [(TARGET, CORTEX_M4F), ("cortex-m0", CORTEX_M0)] {
+        let counted = Counted::run("methods", &target, entries.0.len())?;
         let mut empty = None;
-        for (entry, profile) in entries.0.iter().zip(&profiles) {
-            ensure!(profile.calls == 1, "{entry:?} ran {} times", profile.calls);
-            let count = Count::of(&image, profile, target == CORTEX_M4F)?;
+        for (entry, profile) in entries.0.iter().zip(&counted.profiles) {
+            let count = Count::of(&counted.image, profile, target == CORTEX_M4F)?;
             if entry.method == EMPTY {
                 empty = Some(count);
             } else {
                 let empty = empty.as_ref().context("the empty method comes first")?;
-                prices.push(count.price(entry, empty, name, &image));
+                prices.push(count.price(entry, empty, name, &counted.image));
             }
         }
     }
     Ok(prices)
+}
+
+/// Prices the standard scene's frame in every setting, on the Cortex-M4F.
+///
+/// # Errors
+///
+/// As [`measure`], and where the part draws another picture than the host.
+pub fn frames() -> Result<Vec<FramePrice>> {
+    let settings: Vec<Setting> = settings().collect();
+    let counted = Counted::run("frames", &CORTEX_M4F, settings.len())?;
+    let (there, here) = (counted.report.get("frames").copied(), checksum());
+    ensure!(
+        there == Some(here),
+        "the frames' checksum is {there:x?}, on the host {here:x}"
+    );
+    let pixels = f64::from(PRICED.width * PRICED.height);
+    let price = |(setting, profile): (Setting, &Profile)| {
+        let count = Count::of(&counted.image, profile, true)?;
+        let cycles = count.cycles.context("no model of the part")?;
+        let each = |all: u64| (all as f64 / pixels * 10.0).round() / 10.0;
+        Ok(FramePrice::new(
+            setting,
+            each(cycles),
+            each(count.instructions),
+        ))
+    };
+    settings
+        .into_iter()
+        .zip(&counted.profiles)
+        .map(price)
+        .collect()
 }
 
 /// What ran in one slot.
@@ -106,25 +164,20 @@ impl Count {
     }
 }
 
-fn build(target: &Target) -> Result<PathBuf> {
+fn build(example: &str, target: &Target) -> Result<PathBuf> {
     let root = firmware::directory().join("../..");
     let directory = firmware::build_directory().join("methods");
     let status = Command::new(root.join("tests/embedded.sh"))
-        .args([
-            "build",
-            target.triple,
-            "--example",
-            "methods",
-            "--target-dir",
-        ])
+        .args(["build", target.triple, "--example", example, "--target-dir"])
         .arg(&directory)
         .status()
         .context("tests/embedded.sh")?;
     ensure!(
         status.success(),
-        "tests/embedded.sh could not build the methods"
+        "tests/embedded.sh could not build {example}"
     );
     Ok(directory
         .join(target.triple)
-        .join("release/examples/methods"))
+        .join("release/examples")
+        .join(example))
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use plotters::prelude::*;
 
-use super::{Canvas, FAINT, FONT, Failure, OTHER, OURS, number, style};
+use super::{Canvas, FAINT, FONT, Failure, OTHER, OURS, number, sheet, style};
 use crate::lab::front::{Results, Subject};
 use crate::lab::tally::Row;
 
@@ -41,23 +41,23 @@ pub fn draw(results: &Results, subject: &Subject, path: &Path) -> Result<(), Fai
     }
     let rows_of_panels = sweeps.len().div_ceil(2);
     let size = (2 * PANEL.0, PANEL.1 * rows_of_panels as u32 + 30);
-    let canvas = SVGBackend::new(path, size).into_drawing_area();
-    canvas.fill(&WHITE)?;
-    let title = format!(
-        "{}: share of wrong answers against difficulty",
-        subject.title
-    );
-    let (heading, body) = canvas.split_vertically(30);
-    heading.draw(&Text::new(title, (14, 8), style(18.0, &BLACK)))?;
-    for (panel, (sweep, _)) in body.split_evenly((rows_of_panels, 2)).iter().zip(&sweeps) {
-        let rows: Vec<&Row> = rows
-            .iter()
-            .copied()
-            .filter(|row| row.sweep == *sweep)
-            .collect();
-        draw_panel(panel, subject, sweep, &rows)?;
-    }
-    Ok(canvas.present()?)
+    sheet(path, size, |canvas| {
+        let title = format!(
+            "{}: share of wrong answers against difficulty",
+            subject.title
+        );
+        let (heading, body) = canvas.split_vertically(30);
+        heading.draw(&Text::new(title, (14, 8), style(18.0, &BLACK)))?;
+        for (panel, (sweep, _)) in body.split_evenly((rows_of_panels, 2)).iter().zip(&sweeps) {
+            let rows: Vec<&Row> = rows
+                .iter()
+                .copied()
+                .filter(|row| row.sweep == *sweep)
+                .collect();
+            draw_panel(panel, subject, sweep, &rows)?;
+        }
+        Ok(())
+    })
 }
 
 /// One method's shares, in the order of the cells.

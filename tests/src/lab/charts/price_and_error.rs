@@ -11,7 +11,12 @@ const STRIP: i32 = 170;
 const LABEL: f64 = 12.5;
 
 /// Draws a subject's chart.
-pub fn draw(canvas: &Canvas<'_>, subject: &Subject, marks: &[Mark]) -> Result<(), Failure> {
+pub fn draw(
+    canvas: &Canvas<'_>,
+    subject: &Subject,
+    marks: &[Mark],
+    source: &str,
+) -> Result<(), Failure> {
     let priced: Vec<&Mark> = marks.iter().filter(|mark| !mark.costs.is_empty()).collect();
     let unpriced: Vec<&Mark> = marks.iter().filter(|mark| mark.costs.is_empty()).collect();
     let (width, height) = canvas.dim_in_pixel();
@@ -20,11 +25,8 @@ pub fn draw(canvas: &Canvas<'_>, subject: &Subject, marks: &[Mark]) -> Result<()
 
     let misses =
         marks.iter().any(|mark| mark.costs.len() > 1) && subject.measure == Measure::Backward;
-    let x_desc = if misses {
-        "estimated cycles of a hit (and of a miss) on a Cortex-M4F"
-    } else {
-        "estimated cycles of a call on a Cortex-M4F"
-    };
+    let what = if misses { "a hit / a miss" } else { "a call" };
+    let x_desc = format!("estimated cycles of {what} on a Cortex-M4F, {source}");
     let mut chart = ChartBuilder::on(canvas)
         .caption(subject.title, (FONT, 19))
         .margin(10)
