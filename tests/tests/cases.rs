@@ -277,6 +277,28 @@ fn c07_a_ray_that_leaves_a_sphere_does_not_meet_it_where_it_starts() {
 }
 
 #[test]
+fn a_direction_a_rounding_short_does_not_lose_a_sphere_a_million_radii_away() {
+    // The closest approach that such a direction finds is an eighth of the radius off, along the ray.
+    let short = Vec3::Z * (1.0 - exp2(-24));
+    let ball = Sphere::new(Vec3::ZERO, 1.0).unwrap();
+    let object = [Object {
+        shape: ball,
+        material: &(),
+    }];
+    for (miss, is_met) in [(0.0, true), (0.995, true), (1.005, false)] {
+        let ray = Ray::new(Vec3::new(miss, 0.0, -exp2(20)), short);
+        let hit = object.as_slice().closest_hit(&ray);
+        assert_eq!(hit.is_some(), is_met, "{miss} off the center");
+        assert_eq!(object.as_slice().occluded(&ray), is_met, "{miss}: occluded");
+        if let Some(hit) = hit {
+            let half_chord = (1.0 - f64::from(miss).powi(2)).sqrt();
+            let t = (f64::from(exp2(20)) - half_chord) / f64::from(short.z);
+            assert!(ulps(hit.t, t) <= 2.0, "{miss}: t is {}, not {t}", hit.t);
+        }
+    }
+}
+
+#[test]
 fn c11_a_sphere_without_radius_is_refused_and_never_hit() {
     assert_eq!(Sphere::new(Vec3::ZERO, 0.0), Err(SphereError::ZeroRadius));
     let forced = Sphere {

@@ -46,6 +46,8 @@ pub const METHODS: &[SecondaryMethod] = &[
     Method::new("relative 2^-20", relative),
     Method::new("Waechter-Binder", waechter_binder),
     Method::new("error bound", error_bound),
+    Method::new("skip, error bound", skip_error_bound),
+    Method::new("skip, outward", skip_outward),
 ];
 
 impl Start {
@@ -145,4 +147,43 @@ pub fn error_bound(leaving: &Leaving) -> Start {
     let reach = leaving.eye.abs() + leaving.way.abs() + leaving.anchor.abs();
     let scale = leaving.normal.abs().dot(reach) + leaving.radius;
     Start::at(leaving.point + leaving.normal * (scale * (4.0 / 16_777_216.0)))
+}
+
+/// Both: what is left is skipped, and its neighbours are cleared.
+#[inline(never)]
+pub fn skip_error_bound(leaving: &Leaving) -> Start {
+    Start {
+        skips: true,
+        ..error_bound(leaving)
+    }
+}
+
+/// What is left is skipped; from a flat surface the ray starts on the outer side of it, for the sake of
+/// its neighbours: as far up as the point lies too low, and a step of each coordinate more, which is
+/// what placing it there rounds.
+#[inline(never)]
+pub fn skip_outward(leaving: &Leaving) -> Start {
+    let skips = Start {
+        skips: true,
+        ..Start::at(leaving.point)
+    };
+    let height = leaving.normal.dot(leaving.point - leaving.anchor);
+    if leaving.radius > 0.0 || height >= 0.0 {
+        return skips;
+    }
+    let raised = leaving.point - leaving.normal * height;
+    let step = |p: f32, n: f32| {
+        if n > 0.0 {
+            p.next_up()
+        } else if n < 0.0 {
+            p.next_down()
+        } else {
+            p
+        }
+    };
+    let (p, n) = (raised, leaving.normal);
+    Start {
+        origin: Vec3::new(step(p.x, n.x), step(p.y, n.y), step(p.z, n.z)),
+        ..skips
+    }
 }

@@ -115,8 +115,9 @@ pub fn residual(ray: &Line, vertices: &[[f32; 3]], facing: Facing, t: f64) -> f6
         .fold(f64::INFINITY, f64::min)
 }
 
-/// How far the ray is from meeting the polygon otherwise. `inside` is whether it does.
-pub fn margins(ray: &Line, vertices: &[[f32; 3]], facing: Facing, inside: bool) -> Margins {
+/// How far the ray is from meeting the polygon otherwise.
+pub fn margins(ray: &Line, vertices: &[[f32; 3]], facing: Facing) -> Margins {
+    let inside = first_sure!(surrounds(ray, vertices));
     let (d, o) = (wide(ray.direction), ray.origin);
     let square = dot(d, d);
     let mut line = f64::INFINITY;
@@ -158,7 +159,8 @@ pub fn margins(ray: &Line, vertices: &[[f32; 3]], facing: Facing, inside: bool) 
     let margin = residual(ray, vertices, facing, 0.0);
     Margins {
         line,
-        meets: inside,
+        // Exactly through the outline is as near to the one as to the other.
+        meets: inside.unwrap_or(true),
         roots: [
             Some(Root {
                 t,

@@ -52,6 +52,28 @@ fn past(random: &mut Random, frustum: Frustum, place: f64, miss: f64, distance: 
     (Ray::new(origin.round(), direction.unit()), frustum)
 }
 
+fn scale(name: &'static str, exponents: &[f64]) -> Sweep<Case> {
+    Sweep::new(
+        name,
+        "log2 of the size of everything",
+        exponents,
+        |x, random| {
+            let frustum = frustum(random, 0.0);
+            let (place, miss) = (random.between(-0.1, 1.1), random.between(0.0, 1.2));
+            let (ray, frustum) = past(random, frustum, place, miss, 10.0);
+            let scale = x.exp2() as f32;
+            let ray = Ray::new(ray.origin * scale, ray.direction);
+            let frustum = Frustum {
+                base: frustum.base * scale,
+                length: frustum.length * scale,
+                base_radius: frustum.base_radius * scale,
+                ..frustum
+            };
+            (ray, frustum)
+        },
+    )
+}
+
 impl Stage for Frusta {
     const NAME: &'static str = "frustum";
     type Case = Case;
@@ -166,25 +188,9 @@ impl Stage for Frusta {
                     past(random, frustum, place, miss, 10.0)
                 },
             ),
-            Sweep::new(
-                "scale",
-                "log2 of the size of everything",
-                &[-30.0, -20.0, -10.0, 0.0, 10.0, 20.0, 30.0],
-                |x, random| {
-                    let frustum = frustum(random, 0.0);
-                    let (place, miss) = (random.between(-0.1, 1.1), random.between(0.0, 1.2));
-                    let (ray, frustum) = past(random, frustum, place, miss, 10.0);
-                    let scale = x.exp2() as f32;
-                    let ray = Ray::new(ray.origin * scale, ray.direction);
-                    let frustum = Frustum {
-                        base: frustum.base * scale,
-                        length: frustum.length * scale,
-                        base_radius: frustum.base_radius * scale,
-                        ..frustum
-                    };
-                    (ray, frustum)
-                },
-            ),
+            scale("scale", &[-40.0, -20.0, 0.0, 20.0, 40.0, 60.0]),
+            // Squares of what differs by a tenth of the size are no normal numbers.
+            scale("scale, extreme", &[-60.0]),
         ]
     }
 

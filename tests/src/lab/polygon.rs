@@ -196,6 +196,77 @@ fn scale(corners: usize) -> Sweep<Case> {
     )
 }
 
+/// Near the plane, and above or below the outline's middle or its edge.
+fn near_surface(corners: usize) -> Sweep<Case> {
+    Sweep::new(
+        "near surface",
+        "height of the origin over the plane / size",
+        &SMALL,
+        move |x, random| {
+            let canvas = Canvas::new(random, 0.0);
+            let vertices = canvas.outline(random, corners, 0.95);
+            let foot = canvas.at(random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+            let origin = foot + canvas.x.cross(canvas.y) * (x * random.signed());
+            Case {
+                ray: Ray::new(origin.round(), random.direction().unit()),
+                normal: newell(&vertices),
+                vertices,
+            }
+        },
+    )
+}
+
+/// Whole numbers: rays along one axis or in the plane of two, with zeros of both signs, that pass
+/// exactly through corners and edges.
+fn lattice() -> Sweep<Case> {
+    Sweep::new(
+        "lattice",
+        "direction components that are zero",
+        &[1.0, 2.0],
+        |x, random| {
+            let z = random.below(3);
+            let turned = |v: [f32; 3]| Vec3::from([0, 1, 2].map(|i| v[(i + 3 - z) % 3]));
+            let whole = |random: &mut Random| random.below(7) as f32 - 3.0;
+            let side = random.below(3) as f32 + 1.0;
+            let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            let vertices = corners
+                .map(|[a, b]| turned([a * side, b * side, 0.0]))
+                .to_vec();
+            let zero = |random: &mut Random| [-0.0, 0.0][random.below(2)];
+            let slant = match x {
+                1.0 => [-1.0, 1.0][random.below(2)],
+                _ => zero(random),
+            };
+            let direction = [slant, zero(random), [-1.0, 1.0][random.below(2)]];
+            let origin = [whole(random), whole(random), whole(random)];
+            Case {
+                ray: Ray::new(turned(origin), turned(direction)),
+                normal: turned([0.0, 0.0, 1.0]),
+                vertices,
+            }
+        },
+    )
+}
+
+/// Outlines that are out of their plane.
+fn warp() -> Sweep<Case> {
+    Sweep::new(
+        "warped",
+        "distance of the corners from a plane / size",
+        // As far as the constructor allows.
+        &[1e-7, 1e-6, 1e-5, 6e-5],
+        |x, random| {
+            let canvas = Canvas::new(random, 0.0);
+            let mut vertices = canvas.outline(random, 6, 0.95);
+            for vertex in &mut vertices {
+                *vertex = (Point::new(*vertex) + random.vector(x)).round();
+            }
+            let aim = near_edge(random, &vertices, x);
+            canvas.seen(random, vertices, aim, 10.0)
+        },
+    )
+}
+
 impl Case {
     /// Judges each of `answers`, of which the flagged ones do not know the stored normal.
     fn judge(
@@ -213,7 +284,7 @@ impl Case {
                 &truth,
                 answer,
                 |t| exact::polygon::residual(&ray, &vertices, facing, t),
-                || exact::polygon::margins(&ray, &vertices, facing, truth.t.is_some()),
+                || exact::polygon::margins(&ray, &vertices, facing),
             );
             judged(i, verdict);
         }
@@ -260,8 +331,11 @@ impl Stage for Polygons {
                     canvas.seen(random, vertices, aim, 10.0)
                 },
             ),
+            warp(),
+            lattice(),
             sliver(),
             grazing(6),
+            near_surface(6),
             world_offset(6),
             scale(6),
         ]
@@ -297,6 +371,7 @@ impl Stage for Triangles {
             edge("edge", 3),
             sliver(),
             grazing(3),
+            near_surface(3),
             world_offset(3),
             scale(3),
         ]

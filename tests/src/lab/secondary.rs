@@ -4,7 +4,7 @@
 //! All answers are known: the light is in front of a convex or flat surface, so nothing of that surface
 //! is in between; or an occluder is.
 
-use whitted::{Exact, Plane, Ray, Shape, Side, Sphere, Triangle, Vec3};
+use whitted::{Cuboid, Exact, Frustum, Plane, Ray, Shape, Side, Sphere, Triangle, Vec3};
 use whitted_methods::secondary::{Leaving, METHODS, Start};
 
 use super::mesh::Mesh;
@@ -27,7 +27,12 @@ enum Own {
     Sphere(Sphere),
     Plane(Plane),
     Triangle(Triangle),
+    Cuboid(Cuboid),
+    Frustum(Frustum),
 }
+
+/// How many kinds of them there are.
+const KINDS: usize = 5;
 
 enum Question {
     /// Whether the surface shadows itself; it does not.
@@ -46,6 +51,8 @@ impl Own {
             Self::Triangle(triangle) => {
                 triangle.intersect::<Exact>(ray, &Triangle::setup(ray), leaving)
             }
+            Self::Cuboid(cuboid) => cuboid.intersect::<Exact>(ray, &Cuboid::setup(ray), leaving),
+            Self::Frustum(frustum) => frustum.intersect::<Exact>(ray, &(), leaving),
         }
     }
 
@@ -54,15 +61,26 @@ impl Own {
             Self::Sphere(sphere) => sphere.normal::<Exact>(ray, t),
             Self::Plane(plane) => plane.normal,
             Self::Triangle(triangle) => triangle.normal,
+            Self::Cuboid(cuboid) => cuboid.normal::<Exact>(ray, t),
+            Self::Frustum(frustum) => frustum.normal::<Exact>(ray, t),
         }
     }
 
-    /// A sphere's center and radius, a point of the others.
-    fn anchor(&self) -> (Vec3, f32) {
+    /// What round ones are round of, and their radius; of the others a point on the face that has this
+    /// normal.
+    fn anchor(&self, normal: Vec3) -> (Vec3, f32) {
         match self {
             Self::Sphere(sphere) => (sphere.center, sphere.radius),
             Self::Plane(plane) => (plane.point, 0.0),
             Self::Triangle(triangle) => (triangle.vertices[0], 0.0),
+            Self::Cuboid(cuboid) => {
+                let corner = Vec3::select(normal.cmpgt(Vec3::ZERO), cuboid.max, cuboid.min);
+                (corner, 0.0)
+            }
+            Self::Frustum(frustum) => {
+                let most = frustum.base_radius + frustum.slope * frustum.length;
+                (frustum.base, most)
+            }
         }
     }
 }
@@ -73,10 +91,11 @@ fn look(own: &Own, eye: Point, aim: Point) -> Option<(Ray, f32, Vec3)> {
     let ray = Ray::new(origin, (aim - Point::new(origin)).unit());
     let t = own.meet(&ray, None)?;
     let normal = own.normal(&ray, t);
-    let normal = if ray.direction.dot(normal) > 0.0 {
-        -normal
-    } else {
-        normal
+    let normal = match (ray.direction.dot(normal) > 0.0, own) {
+        // One side of its inside may shadow the other.
+        (true, Own::Frustum(_)) => return None,
+        (true, _) => -normal,
+        (false, _) => normal,
     };
     Some((ray, t, normal))
 }
@@ -114,7 +133,7 @@ impl Case {
                     let aim = center + random.across(normal) * (size * random.unit());
                     (Own::Plane(plane), aim)
                 }
-                _ => {
+                2 => {
                     let normal = random.direction();
                     let x = random.across(normal);
                     let y = normal.cross(x);
@@ -128,12 +147,27 @@ impl Case {
                         center + x * (size * 0.4 * random.unit()),
                     )
                 }
+                3 => {
+                    let half = Point([0; 3].map(|_| size * random.between(0.2, 0.6)));
+                    let (min, max) = ((center - half).round(), (center + half).round());
+                    let aim = center + random.vector(0.5 * size);
+                    (Own::Cuboid(Cuboid { min, max }), aim)
+                }
+                _ => {
+                    let axis = random.direction() * (0.5 * size);
+                    let radii = [0; 2].map(|_| (size * random.between(0.0, 0.5)) as f32);
+                    let ends = [center - axis, center + axis].map(Point::round);
+                    let Ok(frustum) = Frustum::new(ends[0], radii[0], ends[1], radii[1]) else {
+                        continue;
+                    };
+                    (Own::Frustum(frustum), center + random.vector(0.3 * size))
+                }
             };
             let eye = aim - toward * (4.0 * size);
             let Some((ray, t, normal)) = look(&own, eye, aim) else {
                 continue;
             };
-            let (anchor, radius) = own.anchor();
+            let (anchor, radius) = own.anchor(normal);
             let leaving = Leaving {
                 eye: ray.origin,
                 way: ray.direction * t,
@@ -157,8 +191,7 @@ impl Case {
 
     /// The same with an occluder parallel to the surface, `gap` sizes above the point.
     fn leak(size: f64, gap: f64, random: &mut Random) -> Self {
-        let kind = random.below(3);
-        let case = Self::own(kind, size, 0.0, random);
+        let case = Self::own(random.below(KINDS), size, 0.0, random);
         let (point, normal) = (
             Point::new(case.leaving.point),
             Point::new(case.leaving.normal),
@@ -241,7 +274,8 @@ impl Case {
         let counts = |t: Option<f32>| t.is_some_and(|t| t > start.t_min);
         match &self.question {
             Question::Own => {
-                let leaving = start.skips.then(|| self.side());
+                // Solids are seen from outside, and the sides of the others do not matter.
+                let leaving = start.skips.then_some(Side::Outside);
                 counts(self.own.meet(&ray, leaving))
             }
             Question::Occluder(plane) => !counts(plane.intersect::<Exact>(&ray, &(), None)),
@@ -253,16 +287,6 @@ impl Case {
             }
         }
     }
-
-    fn side(&self) -> Side {
-        let t = self.leaving.way.length();
-        let ray = Ray::new(self.leaving.eye, self.leaving.way / t);
-        if self.own.normal(&ray, t).dot(self.leaving.normal) > 0.0 {
-            Side::Outside
-        } else {
-            Side::Inside
-        }
-    }
 }
 
 impl Stage for Secondary {
@@ -270,9 +294,10 @@ impl Stage for Secondary {
     type Case = Case;
 
     fn sweeps() -> Vec<Sweep<Case>> {
-        let sizes = [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6];
+        let small = 1.0 / (1_u64 << 40) as f64;
+        let sizes = [small, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1.0 / small];
         let gaps = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
-        let offsets = [1.0, 1e1, 1e2, 1e3, 1e4];
+        let offsets = [0.0, 1.0, 1e1, 1e2, 1e3, 1e4];
         let own = |kind| move |x: f64, random: &mut Random| Case::own(kind, x, 0.0, random);
         let leak = |size| move |x: f64, random: &mut Random| Case::leak(size, x, random);
         let (size, gap) = ("size of everything", "gap / size");
@@ -280,18 +305,22 @@ impl Stage for Secondary {
             Sweep::new("acne, sphere", size, &sizes, own(0)),
             Sweep::new("acne, plane", size, &sizes, own(1)),
             Sweep::new("acne, triangle", size, &sizes, own(2)),
+            Sweep::new("acne, box", size, &sizes, own(3)),
+            Sweep::new("acne, cone", size, &sizes, own(4)),
             Sweep::new(
                 "acne, offset",
                 "distance from 0 / size",
                 &offsets,
                 |x, random| {
-                    let kind = random.below(3);
+                    let kind = random.below(KINDS);
                     Case::own(kind, 1.0, x, random)
                 },
             ),
             Sweep::new("leak, size 1", gap, &gaps, leak(1.0)),
             Sweep::new("leak, size 1e-6", gap, &gaps, leak(1e-6)),
             Sweep::new("leak, size 1e6", gap, &gaps, leak(1e6)),
+            Sweep::new("leak, size 2^-40", gap, &gaps, leak(small)),
+            Sweep::new("leak, size 2^40", gap, &gaps, leak(1.0 / small)),
             Sweep::new(
                 "neighbour",
                 "distance from 0 / size",

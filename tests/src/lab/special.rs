@@ -1,8 +1,8 @@
 //! Inputs that break methods rather than strain them: zero, infinity, NaN, degenerate shapes.
 
-use whitted::{Cuboid, Frustum, Plane, Polygon, Ray, Sphere, Vec3};
+use whitted::{Cuboid, Frustum, Plane, Polygon, Ray, Sphere, Triangle, Vec3};
 use whitted_methods::plane::PlaneForms;
-use whitted_methods::{cuboid, frustum, plane, polygon, power, roots, sphere};
+use whitted_methods::{cuboid, frustum, plane, polygon, power, roots, sphere, triangle};
 
 /// What may be answered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,6 +119,13 @@ fn spheres() -> Cases<(Ray, Sphere)> {
                 unit([0.0, -1e6, 0.0], 1e6),
             ),
             Hit(1.0),
+        ),
+        (
+            // The direction is a rounding short of unit length: the closest approach that is found by
+            // it is an eighth of the radius off along the ray.
+            "a million radii away",
+            (ray([0.995, 0.0, -1_048_576.0], [0.0, 0.0, 1.0 - U]), ball),
+            Hit(1_048_575.94),
         ),
         ("no radius", (ahead, unit([0.0; 3], 0.0)), HitOrMiss(3.0)),
         (
@@ -257,6 +264,8 @@ fn polygons() -> Cases<(Ray, Vec<Vec3>)> {
     let small = 1.0 / (1_u64 << 40) as f32;
     let tiny = flat(&[(0.0, 0.0), (small, 0.0), (0.0, small)]);
     let diamond = flat(&[(0.0, 0.5), (0.5, 0.0), (1.0, 0.5), (0.5, 1.0)]);
+    let three = flat(&[(0.0, 0.0), (2.0, 0.0), (0.0, 2.0)]);
+    let line = flat(&[(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)]);
     let with = |x: f32| vec![Vec3::ZERO, Vec3::X, Vec3::new(x, 1.0, 0.0), Vec3::Y];
     let middle = down(0.5, 0.5);
     vec![
@@ -268,6 +277,23 @@ fn polygons() -> Cases<(Ray, Vec<Vec3>)> {
         ("three in line", (down(1.0, 1.0), straight), Hit(1.0)),
         ("repeated corner", (middle, repeated), Hit(1.0)),
         ("tiny", (down(small * 0.25, small * 0.25), tiny), Hit(1.0)),
+        ("three corners", (middle, three.clone()), Hit(1.0)),
+        (
+            "beside three corners",
+            (down(1.5, 1.5), three.clone()),
+            Miss,
+        ),
+        (
+            "three corners from below",
+            (ray([0.5, 0.5, -1.0], [-0.0, 0.0, 1.0]), three.clone()),
+            Hit(1.0),
+        ),
+        (
+            "three corners, edge-on",
+            (ray([-1.0, 0.5, 0.0], [1.0, 0.0, 0.0]), three),
+            Miss,
+        ),
+        ("no area", (down(0.5, 0.5), line), Miss),
         (
             "corners on the scan line",
             (middle, diamond.clone()),
@@ -502,38 +528,185 @@ fn frusta() -> Cases<(Ray, Frustum)> {
     ]
 }
 
+/// An input whose numbers can be replaced one by one.
+trait Fields: Sized {
+    /// The same with one number replaced; nothing past the last one.
+    fn with(&self, field: usize, value: f32) -> Option<Self>;
+}
+
+/// Replaces the number at `field` of `numbers`.
+fn replace<'a>(
+    numbers: impl IntoIterator<Item = &'a mut f32>,
+    field: usize,
+    value: f32,
+) -> Option<()> {
+    *numbers.into_iter().nth(field)? = value;
+    Some(())
+}
+
+fn of_ray(ray: &mut Ray) -> impl Iterator<Item = &mut f32> {
+    let ends = [&mut ray.t_max];
+    of_vector(&mut ray.origin)
+        .into_iter()
+        .chain(of_vector(&mut ray.direction))
+        .chain(ends)
+}
+
+fn of_vector(v: &mut Vec3) -> [&mut f32; 3] {
+    [&mut v.x, &mut v.y, &mut v.z]
+}
+
+impl Fields for (Ray, Sphere) {
+    fn with(&self, field: usize, value: f32) -> Option<Self> {
+        let (mut ray, mut sphere) = *self;
+        let shape = of_vector(&mut sphere.center).into_iter();
+        let numbers = of_ray(&mut ray).chain(shape).chain([&mut sphere.radius]);
+        replace(numbers, field, value)?;
+        Some((ray, sphere))
+    }
+}
+
+impl Fields for (Ray, PlaneForms) {
+    fn with(&self, field: usize, value: f32) -> Option<Self> {
+        let (mut ray, mut plane) = (self.0, self.1.plane);
+        let shape = of_vector(&mut plane.point)
+            .into_iter()
+            .chain(of_vector(&mut plane.normal));
+        replace(of_ray(&mut ray).chain(shape), field, value)?;
+        Some((ray, PlaneForms::new(plane)))
+    }
+}
+
+impl Fields for (Ray, Vec<Vec3>) {
+    fn with(&self, field: usize, value: f32) -> Option<Self> {
+        let (mut ray, mut vertices) = self.clone();
+        let shape = vertices.iter_mut().flat_map(of_vector);
+        replace(of_ray(&mut ray).chain(shape), field, value)?;
+        Some((ray, vertices))
+    }
+}
+
+impl Fields for (Ray, Cuboid) {
+    fn with(&self, field: usize, value: f32) -> Option<Self> {
+        let (mut ray, mut cuboid) = *self;
+        let shape = of_vector(&mut cuboid.min)
+            .into_iter()
+            .chain(of_vector(&mut cuboid.max));
+        replace(of_ray(&mut ray).chain(shape), field, value)?;
+        Some((ray, cuboid))
+    }
+}
+
+impl Fields for (Ray, Frustum) {
+    fn with(&self, field: usize, value: f32) -> Option<Self> {
+        let (mut ray, mut frustum) = *self;
+        let shape = of_vector(&mut frustum.base)
+            .into_iter()
+            .chain(of_vector(&mut frustum.axis))
+            .chain([
+                &mut frustum.length,
+                &mut frustum.base_radius,
+                &mut frustum.slope,
+            ]);
+        replace(of_ray(&mut ray).chain(shape), field, value)?;
+        Some((ray, frustum))
+    }
+}
+
+/// Numbers of a ray, which come first.
+const OF_RAY: usize = 7;
+
+/// Every number of every input that is met, replaced by what is hard, one outcome for each of these.
+fn fields<F: Copy, I: Fields>(
+    all: &mut Vec<Outcome>,
+    stage: &str,
+    methods: &[whitted_methods::Method<F>],
+    cases: &Cases<I>,
+    ask: impl Fn(F, &I) -> Option<f32>,
+) {
+    let is_outline = ["polygon", "triangle"].contains(&stage);
+    // A corner that is no point takes its edges with it, and what is left may be met.
+    let without = |field: usize| match is_outline && field >= OF_RAY {
+        true => Finite,
+        false => Miss,
+    };
+    let values: [(&str, &[f32]); 4] = [
+        ("any number NaN", &[NAN]),
+        ("any number infinite", &[INFINITY, -INFINITY]),
+        ("any number huge", &[f32::MAX, -1e30]),
+        ("any number subnormal or zero", &[1e-40, -1e-45, -0.0]),
+    ];
+    for (name, values) in values {
+        for method in methods {
+            let (mut asked, mut wrong) = (0, 0);
+            for (_, input, _) in cases.iter().filter(|(.., it)| matches!(it, Hit(_))) {
+                for &value in values {
+                    let inputs = (0..).map_while(|field| Some((field, input.with(field, value)?)));
+                    for (field, input) in inputs {
+                        let allowed = if value.is_nan() {
+                            without(field)
+                        } else {
+                            Finite
+                        };
+                        asked += 1;
+                        wrong += usize::from(!allowed.admits(ask(method.run, &input)));
+                    }
+                }
+            }
+            all.push(Outcome {
+                stage: stage.into(),
+                case: name.into(),
+                method: method.name.into(),
+                answer: format!("{wrong} of {asked} wrong"),
+                pass: wrong == 0,
+            });
+        }
+    }
+}
+
 /// Asks every method of every stage.
 pub fn run() -> Vec<Outcome> {
+    /// The named inputs of a stage, and then every number of them.
+    fn shapes<F: Copy, I: Fields>(
+        all: &mut Vec<Outcome>,
+        name: &str,
+        methods: &[whitted_methods::Method<F>],
+        cases: Cases<I>,
+        ask: impl Fn(F, &I) -> Option<f32> + Copy,
+    ) {
+        fields(all, name, methods, &cases, ask);
+        stage(all, name, methods, cases, ask);
+    }
     let mut all = Vec::new();
-    stage(
+    shapes(
         &mut all,
         "sphere",
         sphere::METHODS,
         spheres(),
         |f, (ray, sphere)| f(ray, sphere),
     );
-    stage(
+    shapes(
         &mut all,
         "plane",
         plane::METHODS,
         planes(),
         |f, (ray, plane)| f(ray, plane),
     );
-    stage(
+    shapes(
         &mut all,
         "cuboid",
         cuboid::METHODS,
         cuboids(),
         |f, (ray, cuboid)| f(ray, &cuboid::Setup::new(ray), cuboid),
     );
-    stage(
+    shapes(
         &mut all,
         "frustum",
         frustum::METHODS,
         frusta(),
         |f, (ray, frustum)| f(ray, frustum),
     );
-    stage(
+    shapes(
         &mut all,
         "polygon",
         polygon::METHODS,
@@ -544,6 +717,24 @@ pub fn run() -> Vec<Outcome> {
                 normal: Vec3::Z,
             };
             f(ray, &polygon::Setup::new(ray), &polygon)
+        },
+    );
+    let three = |(_, (_, vertices), _): &(_, (Ray, Vec<Vec3>), _)| vertices.len() == 3;
+    let triangles = polygons().into_iter().filter(three).collect();
+    shapes(
+        &mut all,
+        "triangle",
+        triangle::METHODS,
+        triangles,
+        |f, (ray, vertices)| {
+            let &[a, b, c] = vertices.as_slice() else {
+                return None;
+            };
+            let triangle = Triangle {
+                vertices: [a, b, c],
+                normal: Vec3::Z,
+            };
+            f(ray, &polygon::Setup::new(ray), &triangle)
         },
     );
     // Functions of numbers: NaN counts as no answer.
