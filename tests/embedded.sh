@@ -5,7 +5,8 @@
 #   tests/embedded.sh setup            only install
 #   tests/embedded.sh table            measure, and rewrite tests/charts/firmware.md and .csv
 #   tests/embedded.sh compiler         say which compiler the firmware is built with
-#   tests/embedded.sh build TARGET ..  build tests/firmware; the rest goes to `cargo build`
+#   tests/embedded.sh peer TARGET      measure against plain C on one target, say Cortex-M4F
+#   tests/embedded.sh build TARGETS .. build tests/firmware; the rest goes to `cargo build`
 #
 # `build` and `compiler` exit with 77 where no compiler can make the targets.
 set -euo pipefail
@@ -91,30 +92,35 @@ say_compiler() {
   echo "$("$compiler" -V), $([ ${#build_core[@]} = 0 ] && echo "core as shipped" || echo "core from source")"
 }
 
-build() { # TARGET [arguments of cargo build]
-  local target=$1 linker=ld.lld
-  shift
+build() { # TARGET[,TARGET..] [arguments of cargo build]
+  local target linker arguments=()
   say_compiler >/dev/null
   [ ${#build_core[@]} = 0 ] || export RUSTC_BOOTSTRAP=1
-  # Debian's rustc has no linker of its own for these targets.
-  if ! compgen -G "$("$compiler" --print sysroot)/lib/rustlib/*/bin/rust-lld" >/dev/null; then
-    [[ $target == wasm32-* ]] && linker=wasm-ld
-    export "CARGO_TARGET_$(tr 'a-z.-' 'A-Z__' <<<"$target")_LINKER=$linker"
-  fi
+  for target in ${1//,/ }; do
+    arguments+=(--target "$target")
+    # Debian's rustc has no linker of its own for these targets.
+    if ! compgen -G "$("$compiler" --print sysroot)/lib/rustlib/*/bin/rust-lld" >/dev/null; then
+      linker=ld.lld
+      [[ $target == wasm32-* ]] && linker=wasm-ld
+      export "CARGO_TARGET_$(tr 'a-z.-' 'A-Z__' <<<"$target")_LINKER=$linker"
+    fi
+  done
+  shift
   export RUSTC=$compiler CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$root/target}/firmware
   # For .cargo/config.toml, which cargo looks for here.
   cd "$root/tests/firmware"
-  exec "$cargo" build --release --target "$target" ${build_core[@]+"${build_core[@]}"} "$@"
+  exec "$cargo" build --release "${arguments[@]}" ${build_core[@]+"${build_core[@]}"} "$@"
 }
 
 case ${1:-all} in
   all)
     setup || [ $? = 77 ]
     say "building with $(say_compiler || true)"
-    cd "$root" && exec cargo test -p whitted-tests --test firmware -- --nocapture --include-ignored
+    cd "$root" && exec cargo test -p whitted-tests --test firmware -- --nocapture
     ;;
   setup) setup ;;
   table) cd "$root" && exec cargo run -p whitted-tests --bin firmware -- table ;;
+  peer) shift; cd "$root" && exec cargo run -q -p whitted-tests --bin firmware -- peer "$@" ;;
   compiler) say_compiler ;;
   build) shift; build "$@" ;;
   *) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 2 ;;

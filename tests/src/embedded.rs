@@ -1,6 +1,7 @@
 //! What the firmware costs on bare targets: built by `tests/embedded.sh`, run in QEMU, counted,
 //! priced, bounded, and compared with the host.
 
+pub mod baked;
 pub mod chart;
 pub mod copy;
 pub mod cortex_m4;

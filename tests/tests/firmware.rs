@@ -4,97 +4,192 @@
 //! `tests/embedded.sh` installs what is missing.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use anyhow::Result;
-use whitted_tests::embedded::chart;
+use anyhow::{Context, Result};
+use rayon::prelude::*;
 use whitted_tests::embedded::copy::{Body, Copy};
 use whitted_tests::embedded::expected::Expected;
-use whitted_tests::embedded::firmware::{self, Build, Kind, Options};
+use whitted_tests::embedded::firmware::{self, Request};
 use whitted_tests::embedded::image::Image;
 use whitted_tests::embedded::measure::{self, Row, Variant};
-use whitted_tests::embedded::run;
-use whitted_tests::embedded::target::{CORTEX_M4F, Machine, TARGETS, Target};
+use whitted_tests::embedded::target::{CORTEX_M0, CORTEX_M4F, Machine, TARGETS, Target};
+use whitted_tests::embedded::{baked, chart, run};
 
 /// What the host draws.
-fn expected() -> &'static [(&'static str, Expected)] {
-    static EXPECTED: OnceLock<Vec<(&str, Expected)>> = OnceLock::new();
+fn expected() -> &'static [(String, Expected)] {
+    static EXPECTED: OnceLock<Vec<(String, Expected)>> = OnceLock::new();
     EXPECTED.get_or_init(Expected::all)
 }
 
-/// Says what is left out, and why.
+/// Says what is left out, and why; past the test harness, which would show it only on failure.
 fn not_run(what: &str, why: &str) {
-    eprintln!("\nNOT RUN: {what}: {why}\n         tests/embedded.sh installs what is missing\n");
+    let hint = "tests/embedded.sh setup installs what is missing";
+    say(&format!("NOT RUN: {what}: {why}\n         {hint}"));
+}
+
+fn say(text: &str) {
+    let _ = writeln!(io::stderr(), "\n{text}\n");
+}
+
+/// The compiler, if there is one.
+fn compiler() -> Option<&'static str> {
+    static COMPILER: OnceLock<Option<String>> = OnceLock::new();
+    let compiler = COMPILER.get_or_init(|| firmware::compiler().unwrap());
+    compiler.as_deref()
 }
 
 /// Whether a target's programs can be built and run here.
 fn can_run(target: &Target) -> bool {
-    let missing = match firmware::compiler() {
-        Ok(Some(_)) if run::is_available(target.machine) => return true,
-        Ok(Some(_)) => format!("{:?} is not installed", target.machine),
-        Ok(None) => "no compiler for it".to_owned(),
-        Err(error) => error.to_string(),
-    };
-    not_run(target.name, &missing);
+    if compiler().is_none() {
+        not_run(target.name, "there is no compiler for it");
+    } else if !run::is_available(target.machine) {
+        let machine = format!("{:?} is not installed", target.machine);
+        not_run(target.name, &machine);
+    } else {
+        return true;
+    }
     false
+}
+
+fn has_arm_gcc() -> bool {
+    run::is_available(Machine::Qemu("arm-none-eabi-gcc", &[]))
 }
 
 #[test]
 fn every_program_is_a_frame() {
-    let frames: BTreeSet<_> = expected()
-        .iter()
-        .map(|(name, _)| (*name).to_owned())
-        .collect();
+    let frames: BTreeSet<_> = expected().iter().map(|(name, _)| name.clone()).collect();
     let programs: BTreeSet<_> = firmware::names().unwrap().into_iter().collect();
     assert_eq!(frames, programs);
 }
 
-#[test]
-#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
-fn every_target_draws_what_the_host_draws() {
-    for target in TARGETS.iter().filter(|target| can_run(target)) {
-        for kind in [Kind::Rows, Kind::Panel, Kind::Counters] {
-            let Build::Programs(programs) = firmware::build(target, kind).unwrap() else {
-                panic!("the compiler has gone");
-            };
-            for (name, expected) in expected() {
-                let report = run::run(target, &programs[*name]);
-                let checked = report.and_then(|report| expected.check(kind, &report));
-                if let Err(error) = checked {
-                    panic!("{name} on {}, {kind:?}: {error:?}", target.name);
-                }
-            }
+/// Programs that draw many frames, and what these are.
+type Collections = BTreeMap<&'static str, Vec<(String, Expected)>>;
+
+/// Bakes scenes into a directory, in one size or in the size that suits each.
+fn collections(directory: &Path, size: Option<[u32; 2]>) -> Result<Collections> {
+    let bake = |mut scenes: baked::Scenes| {
+        if let Some(size) = size {
+            scenes.iter_mut().for_each(|scene| scene.2 = size);
         }
-        eprintln!(
-            "{}: {} frames as on the host, in all three ways",
-            target.name,
-            expected().len()
-        );
+        baked::write(&scenes, directory)
+    };
+    let mut collections = Collections::new();
+    collections.insert("frames-baked", bake(baked::own()?)?);
+    match baked::standard(&baked::STANDARD)? {
+        Some(scenes) => drop(collections.insert("frames-standard", bake(scenes)?)),
+        None => say("NOT RUN: the standard scenes, which are not beside the project"),
     }
+    Ok(collections)
 }
 
-/// All rows of the table, measured now; `None` where the tools for it are missing.
-fn measured() -> Option<&'static [Row]> {
-    static ROWS: OnceLock<Option<Vec<Row>>> = OnceLock::new();
-    let rows = ROWS.get_or_init(|| {
-        let compiler = firmware::compiler().unwrap()?;
-        let plugin = run::build_plugin(&firmware::build_directory()).unwrap();
-        let variants = measure::variants();
-        let can_measure = |variant: &&Variant<'_>| {
-            let needs_gcc = variant.options.features.contains(&"libgcc");
-            let has_gcc = run::is_available(Machine::Qemu("arm-none-eabi-gcc", &[]));
-            if needs_gcc && !has_gcc {
-                not_run("libgcc", "arm-none-eabi-gcc is not installed");
+/// Builds programs that draw many frames for targets, runs them and compares all that they report.
+fn draw_all(targets: &[Target], directory: &Path, collections: &Collections) -> Result<()> {
+    let programs: Vec<_> = collections.keys().copied().collect();
+    let is_standard = programs.contains(&"frames-standard");
+    let request = Request {
+        programs: &programs,
+        features: &[if is_standard { "standard" } else { "baked" }],
+        baked: Some(directory),
+        ..Request::default()
+    };
+    let built = firmware::build(targets, request)?;
+    let mut runs = Vec::new();
+    for (target, built) in targets.iter().zip(&built) {
+        runs.extend(
+            collections
+                .iter()
+                .map(|(program, frames)| (target, &built[*program], frames)),
+        );
+    }
+    runs.into_par_iter()
+        .try_for_each(|(target, program, frames)| {
+            let report = run::run(target, program)?;
+            for (name, expected) in frames {
+                let checked = expected.check_all(name, &report);
+                checked.with_context(|| format!("{name} on {}", target.name))?;
             }
-            can_run(&variant.target) && (has_gcc || !needs_gcc)
+            eprintln!("{}: {} frames as on the host", target.name, frames.len());
+            Ok(())
+        })
+}
+
+#[test]
+fn every_target_draws_what_the_host_draws() {
+    let targets: Vec<_> = TARGETS.into_iter().filter(can_run).collect();
+    let directory = firmware::build_directory().join("baked");
+    let mut collections = collections(&directory, None).unwrap();
+    // Those of `scenes::visit_varied`.
+    let varied = [
+        "matte",
+        "everything",
+        "six-spheres",
+        "c-ray",
+        "tiny",
+        "outside",
+    ];
+    let frames = expected()
+        .iter()
+        .filter(|frame| varied.contains(&frame.0.as_str()));
+    collections.insert("frames", frames.cloned().collect());
+    draw_all(&targets, &directory, &collections).unwrap();
+}
+
+#[test]
+#[ignore = "draws for many minutes: cargo test -p whitted-tests --test firmware -- --ignored"]
+fn every_target_draws_large_pictures_as_the_host_does() {
+    let targets: Vec<_> = TARGETS.into_iter().filter(can_run).collect();
+    let directory = firmware::build_directory().join("baked-large");
+    let collections = collections(&directory, Some([128, 128])).unwrap();
+    draw_all(&targets, &directory, &collections).unwrap();
+}
+
+/// Rows of the table, measured now; none where the tools for it are missing.
+fn measure(variants: &[Variant<'_>]) -> Vec<Row> {
+    let can_measure = |variant: &&Variant<'_>| {
+        let needs_gcc = variant.request.features.contains(&"libgcc");
+        if needs_gcc && !has_arm_gcc() {
+            not_run("libgcc", "arm-none-eabi-gcc is not installed");
+        }
+        can_run(&variant.target) && (has_arm_gcc() || !needs_gcc)
+    };
+    let variants: Vec<_> = variants.iter().filter(can_measure).copied().collect();
+    let (Some(compiler), false) = (compiler(), variants.is_empty()) else {
+        not_run("the table", "nothing can be measured");
+        return Vec::new();
+    };
+    measure::measure(&variants, expected(), compiler, plugin()).unwrap()
+}
+
+/// The counting plugin.
+fn plugin() -> &'static Path {
+    static PLUGIN: OnceLock<PathBuf> = OnceLock::new();
+    PLUGIN.get_or_init(|| run::build_plugin(&firmware::build_directory()).unwrap())
+}
+
+/// The rows on which the goals are, measured once.
+fn measured() -> &'static [Row] {
+    static ROWS: OnceLock<Vec<Row>> = OnceLock::new();
+    ROWS.get_or_init(|| {
+        let has_goals = |variant: &Variant<'_>| {
+            matches!(
+                (variant.profile, variant.target),
+                ("speed", CORTEX_M4F | CORTEX_M0) | ("panel", CORTEX_M4F)
+            )
         };
-        let rows = variants
-            .iter()
-            .filter(can_measure)
-            .map(|variant| variant.measure(&compiler, expected(), &plugin).unwrap());
-        Some(rows.flatten().collect())
-    });
-    rows.as_deref().filter(|rows| !rows.is_empty())
+        let variants: Vec<_> = measure::variants().into_iter().filter(has_goals).collect();
+        let mut rows = measure(&variants);
+        if !rows.is_empty() && has_arm_gcc() {
+            let compiler = &rows[0].compiler;
+            let peers = measure::measure_peers(&[CORTEX_M4F], &[], compiler, plugin());
+            rows.extend(peers.unwrap());
+        } else {
+            not_run("plain C", "arm-none-eabi-gcc is not installed");
+        }
+        rows
+    })
 }
 
 fn row<'a>(rows: &'a [Row], profile: &str, target: &str, program: &str) -> &'a Row {
@@ -105,22 +200,17 @@ fn row<'a>(rows: &'a [Row], profile: &str, target: &str, program: &str) -> &'a R
         .unwrap_or_else(|| panic!("no {program} on {target}, {profile}"))
 }
 
-#[test]
-#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
-fn the_table_is_what_is_measured() {
-    let Some(rows) = measured() else {
-        return not_run("the table", "nothing can be measured");
-    };
+fn assert_in_table(rows: &[Row]) {
     let table = chart::read().unwrap();
     let comparison = chart::compare(&table, rows);
     if comparison.compared < rows.len() {
-        eprintln!(
-            "\nNOT COMPARED: {} of {} rows of tests/charts/firmware.csv, which {} made; here it is {}\n",
+        say(&format!(
+            "NOT COMPARED: {} of {} rows of tests/charts/firmware.csv, which {} made; here it is {}",
             rows.len() - comparison.compared,
             rows.len(),
             table[0].compiler,
             rows[0].compiler,
-        );
+        ));
     }
     let differences = comparison.differences.join("\n");
     assert!(
@@ -130,11 +220,22 @@ fn the_table_is_what_is_measured() {
 }
 
 #[test]
-#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
+fn the_table_is_what_is_measured() {
+    assert_in_table(measured());
+}
+
+#[test]
+#[ignore = "builds and counts for many minutes: cargo test -p whitted-tests --test firmware -- --ignored"]
+fn the_whole_table_is_what_is_measured() {
+    assert_in_table(&measure(&measure::variants()));
+}
+
+#[test]
 fn goals_are_met() {
-    let Some(rows) = measured() else {
-        return not_run("the goals", "nothing can be measured");
-    };
+    let rows = measured();
+    if rows.is_empty() {
+        return;
+    }
     let m4f = |program| row(rows, "speed", "Cortex-M4F", program);
     // Bytes of flash.
     for (program, most) in [
@@ -142,81 +243,69 @@ fn goals_are_met() {
         ("matte-shadows", 2048),
         ("everything", 10240),
     ] {
-        assert!(
-            m4f(program).flash <= most,
-            "{program} takes {} bytes",
-            m4f(program).flash
-        );
+        let flash = m4f(program).flash;
+        assert!(flash <= most, "{program} takes {flash} bytes");
     }
     // Bytes of stack: spheres, plane, mirror and glass at depth 5.
-    assert!(m4f("spheres-and-plane").stack_bound <= 640);
+    assert!(m4f("spheres-and-plane").stack_bound <= Some(640));
     for (name, _) in expected() {
         let panel = row(rows, "panel", "Cortex-M4F", name);
         assert_eq!(
             panel.static_ram, 0,
             "{name} has static RAM beside the panel's rows"
         );
-        let (m0, m4f) = (row(rows, "speed", "Cortex-M0", name), m4f(name));
-        assert!(
-            m0.flash * 10 <= m4f.flash * 13,
-            "{name}: {} B on M0, {} on M4F",
-            m0.flash,
-            m4f.flash
-        );
         assert_eq!(
-            m4f.support, 0,
+            m4f(name).support,
+            0,
             "{name} does arithmetic in software on a part with FPU"
         );
     }
 }
 
 #[test]
-#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
 fn painted_stacks_are_what_the_code_allows() {
-    let Some(rows) = measured() else {
-        return not_run("stacks", "nothing can be measured");
-    };
-    for row in rows {
+    for row in measured() {
         let Row {
             program,
             target,
             profile,
             stack,
-            stack_bound,
             ..
         } = row;
+        let Some(bound) = row.stack_bound else {
+            continue;
+        };
         assert!(
-            stack <= stack_bound,
-            "{program} on {target}, {profile}: {stack} of {stack_bound}"
+            *stack <= bound,
+            "{program} on {target}, {profile}: {stack} of {bound}"
         );
         // Paths that no pixel of a frame takes need not be the deepest.
         assert!(
-            stack_bound - stack <= stack_bound / 4 + 16,
-            "{program} on {target}, {profile}: painted {stack}, bound {stack_bound}"
+            bound - stack <= bound / 4 + 16,
+            "{program} on {target}, {profile}: painted {stack}, bound {bound}"
         );
     }
 }
 
-/// Builds for the Cortex-M4F from a copy of the project.
-fn build_copy(copy: &Copy) -> Result<BTreeMap<String, u64>> {
-    let options = Options {
+/// Builds programs for the Cortex-M4F from a copy of the project: checksums of their code.
+fn build_copy(copy: &Copy, programs: &[&str]) -> Result<BTreeMap<String, u64>> {
+    let request = Request {
+        programs,
         root: Some(copy.root()),
-        ..Options::default()
+        ..Request::default()
     };
-    match firmware::build_with(&CORTEX_M4F, Kind::Rows, options)? {
-        Build::NoCompiler(why) => panic!("{why}"),
-        Build::Programs(programs) => programs
-            .into_iter()
-            .map(|(name, path)| Ok((name, Image::read(&path)?.text_checksum())))
-            .collect(),
-    }
+    let built = firmware::build(&[CORTEX_M4F], request)?;
+    let checksums = built[0].iter().map(|(name, path)| {
+        let image = Image::read(path)?;
+        Ok((name.clone(), image.text_checksum()))
+    });
+    checksums.collect()
 }
 
 #[test]
-#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
 fn a_planted_panic_does_not_link() {
-    if !can_run(&CORTEX_M4F) {
-        return;
+    if compiler().is_none() {
+        return not_run("the planted panic", "there is no compiler for it");
     }
     let copy = Copy::new("panic").unwrap();
     let body = Body {
@@ -226,7 +315,7 @@ fn a_planted_panic_does_not_link() {
     let index =
         "let planted = [0_u8; 4][core::hint::black_box(1)]; core::hint::black_box(planted);";
     copy.insert(&body, index).unwrap();
-    let error = build_copy(&copy).unwrap_err().to_string();
+    let error = build_copy(&copy, &["matte"]).unwrap_err().to_string();
     assert!(error.contains("a_panic_is_reachable"), "{error}");
 }
 
@@ -398,7 +487,8 @@ const FEATURES: &[Feature] = &[
 fn changed_by(copy: &Copy, before: &BTreeMap<String, u64>, feature: &Feature) -> BTreeSet<String> {
     let change = |body| copy.insert(body, "core::hint::black_box(0_u8);").unwrap();
     let originals: Vec<_> = feature.bodies.iter().map(change).collect();
-    let after = build_copy(copy).unwrap();
+    let programs: Vec<_> = before.keys().map(String::as_str).collect();
+    let after = build_copy(copy, &programs).unwrap();
     for original in originals {
         original.restore().unwrap();
     }
@@ -410,13 +500,14 @@ fn changed_by(copy: &Copy, before: &BTreeMap<String, u64>, feature: &Feature) ->
 }
 
 #[test]
-#[ignore = "builds firmware for minutes; tests/embedded.sh runs it"]
 fn features_change_only_programs_that_name_them() {
-    if !can_run(&CORTEX_M4F) {
-        return;
+    if compiler().is_none() {
+        return not_run("features", "there is no compiler for it");
     }
+    let names = firmware::names().unwrap();
+    let names: Vec<_> = names.iter().map(String::as_str).collect();
     let copy = Copy::new("features").unwrap();
-    let before = build_copy(&copy).unwrap();
+    let before = build_copy(&copy, &names).unwrap();
     for feature in FEATURES {
         let changed = changed_by(&copy, &before, feature);
         let named_by: BTreeSet<_> = before
@@ -434,7 +525,7 @@ fn features_change_only_programs_that_name_them() {
             .intersect::<P>(ray, &ray.direction, leaving),
     );";
     copy.insert(&sphere, use_of_cuboid).unwrap();
-    let before = build_copy(&copy).unwrap();
+    let before = build_copy(&copy, &["matte"]).unwrap();
     let cuboid = FEATURES
         .iter()
         .find(|feature| feature.name == "boxes")

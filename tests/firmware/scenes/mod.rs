@@ -79,8 +79,16 @@ pub fn visit_all(visitor: &mut impl Visitor) {
     outside::visit_all(visitor);
 }
 
+/// Shows enough frames to the visitor to meet everything that `core` can draw.
+pub fn visit_varied(visitor: &mut impl Visitor) {
+    visitor.visit::<ladder::Matte>("matte");
+    visitor.visit::<ladder::Everything>("everything");
+    layouts::visit_all(visitor);
+    outside::visit_all(visitor);
+}
+
 #[inline(always)]
-fn trace_row<G, L, const DEPTH: usize>(
+pub(crate) fn trace_row<G, L, const DEPTH: usize>(
     scene: &'static Scene<'static, G, L>,
     view: &View,
     y: u32,
@@ -98,7 +106,7 @@ fn trace_row<G, L, const DEPTH: usize>(
     }
 }
 
-fn count<G, L, const DEPTH: usize>(scene: &Scene<'_, G, L>, view: &View) -> Counters
+pub(crate) fn count<G, L, const DEPTH: usize>(scene: &Scene<'_, G, L>, view: &View) -> Counters
 where
     G: Geometry<Material: Finish>,
     L: LightSource,

@@ -5,9 +5,9 @@
 //! is measured (flash, stack, instructions), what is proved free of panics, and what draws the
 //! picture that is compared.
 //!
-//! A program is built in one of three ways. Plain: rows of floats in a buffer of one row. With the
-//! feature `panel`: through embedded-graphics onto the stand-in of a display. With `counters`: the
-//! rays and hits are counted and nothing is shown.
+//! A program draws its scene in one of two ways. Plain: rows of floats in a buffer of one row. With
+//! the feature `panel`: through embedded-graphics onto the stand-in of a display. The program `frames`
+//! draws many scenes, each in both ways, and counts its rays and hits.
 
 #![no_std]
 
@@ -22,16 +22,20 @@ mod stack;
 
 mod checksum;
 pub mod panel;
+#[macro_use]
 #[path = "../scenes/mod.rs"]
 pub mod scenes;
+#[cfg(feature = "baked")]
+pub mod baked;
 
 pub use glam::Vec3;
+pub use whitted::math::sqrt;
 
 use core::hint::black_box;
 
 use checksum::Checksums;
 use panel::Panel;
-use scenes::Frame;
+use scenes::{Frame, Visitor};
 
 /// The deepest stack of some calls.
 #[derive(Default)]
@@ -81,21 +85,68 @@ pub fn draw_panel(panel: &mut Panel, render: impl Fn(&mut Panel)) {
     report("565", panel.checksum());
 }
 
-/// Reports a frame's counters.
-pub fn count<F: Frame>() {
-    let counters = F::count();
-    report("primary", counters.primary);
-    report("reflected", counters.reflected);
-    report("refracted", counters.refracted);
-    report("shadow", counters.shadow);
-    report("hits", counters.hits);
+/// Draws frames in all ways, one after the other, into memory that is there once.
+pub fn frames(visit_all: impl FnOnce(&mut Frames)) {
+    static mut FRAMES: Frames = Frames::new();
+    // SAFETY: called once by a program, which has one thread.
+    visit_all(unsafe { &mut *(&raw mut FRAMES) });
+}
+
+/// See [`frames`].
+pub struct Frames {
+    row: [Vec3; 128],
+    panel: Panel,
+}
+
+impl Frames {
+    /// None drawn yet.
+    #[allow(clippy::new_without_default)]
+    pub const fn new() -> Self {
+        Self {
+            row: [Vec3::ZERO; 128],
+            panel: Panel::new(),
+        }
+    }
+}
+
+impl Visitor for Frames {
+    fn visit<F: Frame>(&mut self, name: &'static str) {
+        let report = |what: &str, value| {
+            put_all(name);
+            platform::put(b'/');
+            report(what, value);
+        };
+        let mut checksums = Checksums::default();
+        let width = F::VIEW.width as usize;
+        for y in 0..F::VIEW.height {
+            if let Some(row) = self.row.get_mut(..width) {
+                F::row(y, row);
+                checksums.add_row(row);
+            }
+        }
+        report("f32", checksums.float());
+        report("8-bit", checksums.byte());
+        self.panel = Panel::new();
+        let Ok(()) = F::draw(&mut self.panel);
+        report("565", self.panel.checksum());
+        let counters = F::count();
+        report("primary", counters.primary);
+        report("reflected", counters.reflected);
+        report("refracted", counters.refracted);
+        report("shadow", counters.shadow);
+        report("hits", counters.hits);
+    }
+}
+
+fn put_all(text: &str) {
+    for &byte in text.as_bytes() {
+        platform::put(byte);
+    }
 }
 
 /// Writes `name`, a space, `value` in hexadecimal and a line break.
 pub fn report(name: &str, value: u64) {
-    for &byte in name.as_bytes() {
-        platform::put(byte);
-    }
+    put_all(name);
     platform::put(b' ');
     for nibble in (0..16).rev() {
         let digit = (value >> (4 * nibble)) as u8 & 15;
@@ -112,7 +163,7 @@ pub fn report(name: &str, value: u64) {
 ///
 /// `render_row`, or `render_panel`, keeps its name and is not inlined: it is what the tools count,
 /// price and bound.
-#[cfg(not(any(feature = "panel", feature = "counters")))]
+#[cfg(not(feature = "panel"))]
 #[macro_export]
 macro_rules! program {
     ($frame:ty) => {
@@ -158,12 +209,41 @@ macro_rules! program {
     };
 }
 
-/// As the plain form.
-#[cfg(feature = "counters")]
+/// Makes the program that draws `$frame` by a `render_row` in plain C; an empty one where there is no
+/// `arm-none-eabi-gcc` for the target.
+#[cfg(not(target_arch = "arm"))]
 #[macro_export]
-macro_rules! program {
+macro_rules! peer {
     ($frame:ty) => {
-        $crate::entry!({ $crate::count::<$frame>() });
+        $crate::entry!({});
+    };
+}
+
+/// As the empty form.
+#[cfg(target_arch = "arm")]
+#[macro_export]
+macro_rules! peer {
+    ($frame:ty) => {
+        const WIDTH: usize = <$frame as $crate::scenes::Frame>::VIEW.width as usize;
+        static mut ROW: [$crate::Vec3; WIDTH] = [$crate::Vec3::ZERO; WIDTH];
+
+        $crate::entry!({
+            unsafe extern "C" {
+                fn render_row(y: u32, row: *mut $crate::Vec3);
+            }
+            // SAFETY: the program starts once and has one thread.
+            let row = unsafe { &mut *(&raw mut ROW) };
+            $crate::draw_rows::<$frame>(row, |y, row| {
+                // SAFETY: it writes as many pixels as the frame, and so the row, is wide.
+                unsafe { render_row(y, row.as_mut_ptr()) }
+            });
+        });
+
+        /// GCC calls it where the part has no instruction.
+        #[unsafe(no_mangle)]
+        extern "C" fn sqrtf(x: f32) -> f32 {
+            $crate::sqrt(x)
+        }
     };
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use super::cortex_m4::{DIVIDE, REFILL};
-use super::measure::Row;
+use super::measure::{Row, in_c};
 
 fn directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("charts")
@@ -88,13 +88,16 @@ RAM, its stack, its instructions and its cycles. All pictures are the host's, bi
 - *insn*: instructions a pixel, counted in QEMU. *cycles*: a pixel, estimated from the counted
   instructions and steps by the timings of the Cortex-M4's manual, with memory that answers at once: a
   model, not hardware. A taken branch counts {REFILL} more, an integer division {DIVIDE}.
-- Profiles: *speed* is opt-level 3, fat LTO, one codegen unit, panic abort; *size* the same with
+- Profiles: *speed* is opt-level 2, fat LTO, one codegen unit, panic abort; *size* the same with
   opt-level s; *panel* is *speed* drawn through embedded-graphics onto the stand-in of a display, whose
   two rows of pixels the empty program has too; *libgcc* is *speed* with GCC's soft float.
 "
     );
+    text += "\n## Against plain C\n\n";
+    text += "The same pictures, bit for bit, by `tests/firmware/peer`, arm-none-eabi-gcc -O3 -ffp-contract=off.\n\n";
+    text += &against_c(rows);
     let mut section = None;
-    for row in rows {
+    for row in rows.iter().filter(|row| !row.program.ends_with(&in_c(""))) {
         if section != Some((&row.target, &row.profile)) {
             section = Some((&row.target, &row.profile));
             let _ = write!(
@@ -108,17 +111,49 @@ RAM, its stack, its instructions and its cycles. All pictures are the host's, bi
         let cycles = row
             .cycles
             .map_or(String::new(), |cycles| format!("{cycles:.1}"));
+        let bound = row
+            .stack_bound
+            .map_or(String::new(), |bound| bound.to_string());
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {} | {} | {:.1} | {cycles} |",
-            row.program,
-            row.flash,
-            row.support,
-            row.static_ram,
-            row.stack,
-            row.stack_bound,
-            row.instructions,
+            "| {} | {} | {} | {} | {} | {bound} | {:.1} | {cycles} |",
+            row.program, row.flash, row.support, row.static_ram, row.stack, row.instructions,
         );
+    }
+    text
+}
+
+/// Scenes that plain C draws too: ours, C's, and ours over C's.
+pub fn against_c(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "| target | scene | insn | C | ratio | cycles | C | ratio | flash | C | px/s per MHz |\n\
+         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for ours in rows.iter().filter(|row| row.profile == "speed") {
+        let is_c = |row: &&Row| row.target == ours.target && row.program == in_c(&ours.program);
+        let Some(c) = rows.iter().find(is_c) else {
+            continue;
+        };
+        let _ = write!(
+            text,
+            "| {} | {} | {:.1} | {:.1} | {:.2} |",
+            ours.target,
+            ours.program,
+            ours.instructions,
+            c.instructions,
+            ours.instructions / c.instructions
+        );
+        let _ = match ours.cycles.zip(c.cycles) {
+            Some((cycles, of_c)) => {
+                write!(text, " {cycles:.1} | {of_c:.1} | {:.2} |", cycles / of_c)
+            }
+            None => write!(text, " | | |"),
+        };
+        let _ = write!(text, " {} | {} |", ours.flash, c.flash);
+        let _ = match ours.cycles {
+            Some(cycles) => writeln!(text, " {:.0} |", 1e6 / cycles),
+            None => writeln!(text, " |"),
+        };
     }
     text
 }
@@ -137,7 +172,7 @@ mod tests {
             support: 0,
             static_ram: 0,
             stack: 88,
-            stack_bound: 96,
+            stack_bound: Some(96),
             instructions: 1.5,
             cycles: None,
             text: "0".into(),

@@ -1,4 +1,4 @@
-//! Builds the programs of `tests/firmware` for a target.
+//! Builds the programs of `tests/firmware` for targets.
 
 use std::collections::BTreeMap;
 use std::env;
@@ -12,54 +12,22 @@ use anyhow::{Context, Result, bail};
 
 use super::target::{Machine, Target};
 
-/// How a program is built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
-    /// Rows of floats, in a buffer of one row.
-    Rows,
-    /// Through embedded-graphics onto a display's stand-in.
-    Panel,
-    /// Counting rays and hits.
-    Counters,
-}
+/// Executables by name.
+pub type Programs = BTreeMap<String, PathBuf>;
 
-impl Kind {
-    /// What is measured: the function that draws.
-    pub fn root(self) -> &'static str {
-        match self {
-            Self::Rows => "render_row",
-            Self::Panel => "render_panel",
-            Self::Counters => "main",
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Rows => "rows",
-            Self::Panel => "panel",
-            Self::Counters => "counters",
-        }
-    }
-}
-
-/// The result of a build.
-#[derive(Clone, Debug)]
-pub enum Build {
-    /// Programs by name.
-    Programs(BTreeMap<String, PathBuf>),
-    /// There is no compiler for the target here; why, in words.
-    NoCompiler(String),
-}
-
-/// More for one build.
+/// What to build, and how.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Options<'a> {
-    /// Further features of the firmware.
+pub struct Request<'a> {
+    /// Names of programs.
+    pub programs: &'a [&'a str],
+    /// Features of the firmware.
     pub features: &'a [&'a str],
-    /// Further compiler flags.
+    /// Compiler flags beyond the target's.
     pub rustflags: &'a [&'a str],
     /// For size instead of speed.
     pub small: bool,
+    /// Where `whitted bake` has put scenes.
+    pub baked: Option<&'a Path>,
     /// Build the project at this root instead: a copy of it.
     pub root: Option<&'a Path>,
 }
@@ -98,90 +66,94 @@ fn script(root: &Path) -> Command {
     Command::new(root.join("tests/embedded.sh"))
 }
 
-/// Builds all programs for a target.
+/// Builds the same programs for each target, those with the same flags at once.
 ///
 /// # Errors
 ///
-/// Where the compiler or the linker refuses.
-pub fn build(target: &Target, kind: Kind) -> Result<Build> {
-    build_with(target, kind, Options::default())
-}
-
-/// Builds all programs for a target, with options.
-///
-/// # Errors
-///
-/// Where the compiler or the linker refuses.
-pub fn build_with(target: &Target, kind: Kind, options: Options<'_>) -> Result<Build> {
-    // Builds of one target share their directory: one at a time.
+/// Where there is no compiler, or it or the linker refuses.
+pub fn build(targets: &[Target], request: Request<'_>) -> Result<Vec<Programs>> {
+    // Cargo holds a build directory for one build; waiting for it would count against time limits.
     static BUILDING: Mutex<()> = Mutex::new(());
     let _building = BUILDING.lock();
 
+    let mut groups: BTreeMap<Vec<&str>, Vec<Target>> = BTreeMap::new();
+    for target in targets {
+        let flags = [target.rustflags, request.rustflags].concat();
+        groups.entry(flags).or_default().push(*target);
+    }
+    let mut built = BTreeMap::new();
+    for (flags, targets) in &groups {
+        let directory = build_group(targets, flags, &request)?;
+        for target in targets {
+            built.insert(target.name, keep(target, &directory, &request)?);
+        }
+    }
+    let all = targets.iter().map(|target| built[target.name].clone());
+    Ok(all.collect())
+}
+
+/// Builds for targets with the same flags, and tells where.
+fn build_group(targets: &[Target], flags: &[&str], request: &Request<'_>) -> Result<PathBuf> {
     let workspace = workspace();
-    let mut features = options.features.to_vec();
-    if kind != Kind::Rows {
-        features.push(kind.name());
+    let mut command = script(request.root.unwrap_or(&workspace));
+    let triples: Vec<_> = targets.iter().map(|target| target.triple).collect();
+    command.args(["build", &triples.join(",")]);
+    command.args(["--features", &request.features.join(",")]);
+    for program in request.programs {
+        command.args(["--bin", program]);
     }
-    let mut command = script(options.root.unwrap_or(&workspace));
-    command.args([
-        "build",
-        target.triple,
-        "--bins",
-        "--features",
-        &features.join(","),
-    ]);
-    let flags = [target.rustflags, options.rustflags].concat();
     if !flags.is_empty() {
-        let list = flags
-            .iter()
-            .map(|flag| format!("{flag:?}"))
-            .collect::<Vec<_>>()
-            .join(",");
-        command.args([
-            "--config",
-            &format!("target.{}.rustflags=[{list}]", target.triple),
-        ]);
+        let list: Vec<_> = flags.iter().map(|flag| format!("{flag:?}")).collect();
+        let list = list.join(",");
+        for triple in triples {
+            command.args(["--config", &format!("target.{triple}.rustflags=[{list}]")]);
+        }
     }
-    if options.small {
+    if request.small {
         command.args(["--config", "profile.release.opt-level=\"s\""]);
+    }
+    if let Some(baked) = request.baked {
+        command.env("WHITTED_BAKED", baked);
     }
     // Flags go into every crate, also into the compiler's own: apart, or all of them would be built
     // again each time that the flags change.
     let mut apart = flags.join("").replace(['=', ','], "");
-    if options.small {
+    if request.small {
         apart += "-small";
     }
     let directory = build_directory().join(apart);
     command.arg("--target-dir").arg(&directory);
     let output = command.output().context("tests/embedded.sh")?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    match output.status.code() {
-        Some(0) => {}
-        Some(77) => return Ok(Build::NoCompiler(said.into_owned())),
-        _ => bail!("{command:?}:\n{said}"),
+    if !output.status.success() {
+        bail!("{command:?}:\n{}", String::from_utf8_lossy(&output.stderr));
     }
+    Ok(directory)
+}
 
+/// Copies a target's programs to where the next build does not overwrite them.
+fn keep(target: &Target, directory: &Path, request: &Request<'_>) -> Result<Programs> {
     let built = directory.join(target.triple).join("release");
-    let kept = directory
+    let kept = request
+        .root
+        .unwrap_or(directory)
         .join("programs")
         .join(target.name)
-        .join(features.join("-"));
+        .join(request.features.join("-"));
     fs::create_dir_all(&kept)?;
-    let mut programs = BTreeMap::new();
-    for name in names()? {
+    let mut programs = Programs::new();
+    for name in request.programs {
         let file = match target.machine {
-            Machine::Qemu(..) => name.clone(),
+            Machine::Qemu(..) => (*name).to_owned(),
             Machine::Node => format!("{name}.wasm"),
         };
         let program = kept.join(&file);
-        // The next kind's build overwrites this one's.
         fs::copy(built.join(&file), &program).with_context(|| file.clone())?;
-        programs.insert(name, program);
+        programs.insert((*name).to_owned(), program);
     }
-    Ok(Build::Programs(programs))
+    Ok(programs)
 }
 
-/// Names of the programs.
+/// Names of the programs that draw one frame and need no feature.
 ///
 /// # Errors
 ///
@@ -194,6 +166,7 @@ pub fn names() -> Result<Vec<String>> {
             names.extend(path.file_stem().and_then(OsStr::to_str).map(str::to_owned));
         }
     }
+    names.retain(|name| !name.starts_with("frames"));
     names.sort();
     Ok(names)
 }
