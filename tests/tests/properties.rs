@@ -2,7 +2,7 @@
 //! and nothing that is not a number reaches a picture. All inputs come from one seed.
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -637,6 +637,78 @@ fn no_power_of_two_changes_a_bit_of_a_scene_file_s_picture() {
             .filter(|(a, b)| a != b)
             .count();
         assert_eq!(changed, 0, "pixels changed at 2^{k}");
+    }
+}
+
+/// A scene file with every length times 2^`k`.
+fn scaled(file: &SceneFile, k: i32) -> SceneFile {
+    let factor = f64::powi(2.0, k);
+    let scale = |point: &mut [f64; 3]| point.iter_mut().for_each(|x| *x *= factor);
+    let mut file = file.clone();
+    if let Some(camera) = &mut file.camera {
+        scale(&mut camera.eye);
+        scale(&mut camera.target);
+    }
+    for light in &mut file.lights {
+        scale(&mut light.position);
+    }
+    for object in &mut file.objects {
+        match &mut object.shape {
+            scene_file::Shape::Sphere { center, radius } => {
+                scale(center);
+                *radius *= factor;
+            }
+            scene_file::Shape::Plane { point, .. } => scale(point),
+            scene_file::Shape::Polygon { vertices } => vertices.iter_mut().for_each(scale),
+            scene_file::Shape::Triangle { vertices }
+            | scene_file::Shape::Patch { vertices, .. } => vertices.iter_mut().for_each(scale),
+            scene_file::Shape::Box { min, max } => [min, max].into_iter().for_each(scale),
+            scene_file::Shape::Frustum {
+                base,
+                base_radius,
+                apex,
+                apex_radius,
+            } => {
+                [base, apex].into_iter().for_each(scale);
+                *base_radius *= factor;
+                *apex_radius *= factor;
+            }
+        }
+    }
+    file
+}
+
+/// The scenes of this repository, and those of `../shared/scenes` where that folder is there.
+fn scene_files() -> Vec<SceneFile> {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let own = ["golden/spheres.toml", "../host-cli/scenes/builtin.toml"];
+    let mut paths: Vec<_> = own.map(|path| here.join(path)).to_vec();
+    match here.join("../../shared/scenes/spd").read_dir() {
+        Ok(folder) => paths.extend(folder.filter_map(|entry| Some(entry.ok()?.path()))),
+        Err(_) => println!("only our own scenes: there is no ../shared/scenes/spd"),
+    }
+    let read = |path: &PathBuf| scene_file::read(path).unwrap();
+    paths.iter().map(read).collect()
+}
+
+#[test]
+fn no_power_of_two_changes_a_bit_of_any_scene_s_picture() {
+    for file in scene_files() {
+        let picture = |k| {
+            let pixels = comparison::render(&scaled(&file, k), 24, 18).into_iter();
+            pixels
+                .map(|pixel| pixel.to_array().map(f32::to_bits))
+                .collect::<Vec<_>>()
+        };
+        let ordinary = picture(0);
+        let name = file.path.display();
+        let colors: HashSet<_> = ordinary.iter().collect();
+        assert!(colors.len() > 30, "{name}: {} colors", colors.len());
+        for k in [-60, -41, -16, 1, 17, 40, 60] {
+            let scaled = picture(k);
+            let changed = scaled.iter().zip(&ordinary).filter(|(a, b)| a != b).count();
+            assert_eq!(changed, 0, "{name}: pixels changed at 2^{k}");
+        }
     }
 }
 

@@ -14,7 +14,7 @@ use whitted_tests::lab::{self, Plan, cycles, pricing};
 /// The method lab of whitted.
 #[derive(Parser)]
 struct Arguments {
-    /// 10^7 rays a primitive and 10^9 rays at shared edges: for hours, not minutes.
+    /// 10^7 rays a primitive and 10^9 at shared edges: half an hour, not two minutes.
     #[arg(long)]
     full: bool,
     /// Only these stages, as named in sweeps.csv, or `watertight`, or `frames`.

@@ -56,10 +56,10 @@ impl Plan {
         width: 320,
     };
 
-    /// A million inputs a cell, and 10^9 rays at edges and corners.
+    /// 10^7 rays a primitive, and 10^9 at edges and corners: half an hour on two cores.
     pub const FULL: Self = Self {
         seed: 2,
-        inputs: 1_000_000,
+        inputs: 250_000,
         rays: 1_000_000,
         our_rays: 83_400_000,
         width: 640,
@@ -287,8 +287,13 @@ mod tests {
         bound("power, real", 0.01);
         for row in results.rows.iter().filter(|row| row.stage == "secondary") {
             // Among neighbours a ray has to be told from one that starts a rounding lower.
-            if row.method == "core" && row.sweep != "neighbour" {
-                assert_eq!(row.wrong, 0, "{row:?}");
+            let is_among_neighbours = row.sweep == "neighbour";
+            let is_near = row.x <= 1.0;
+            match row.method.as_str() {
+                "core" if is_among_neighbours => assert!(!is_near || row.wrong <= 1, "{row:?}"),
+                "core" => assert_eq!(row.wrong, 0, "{row:?}"),
+                "skip, outward" if is_among_neighbours => assert_eq!(row.wrong, 0, "{row:?}"),
+                _ => {}
             }
             if row.method == "nothing" && row.sweep.starts_with("acne") {
                 assert!(row.wrong > row.n / 4, "{row:?}");
