@@ -6,12 +6,13 @@ use fearless_simd::Level;
 use glam::Vec3;
 use rayon::prelude::*;
 use whitted::picture::{quantize, to_rgb8};
-use whitted::{Counters, Exact, Scene, Tracer, View};
+use whitted::{Counters, View};
 
 use crate::picture::Transfer;
-use crate::scene::{AnyScene, Light, Material};
+use crate::scene::AnyScene;
 use crate::scene_file::limits;
 use crate::wide::Wide;
+use crate::wide::lockstep::{self, HEIGHT, Job};
 
 /// How far rays are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,11 +59,14 @@ pub fn render_at<E>(
     row_done: impl Fn() + Sync,
     mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
 ) -> Result<Counters, E> {
-    let scene = &Scene {
-        geometry: Wide::with_level(scene.geometry, level),
+    let geometry = Wide::with_level(scene.geometry, level);
+    let job = Job {
+        geometry: &geometry,
         lights: scene.lights,
         background: scene.background,
         ambient: scene.ambient,
+        depth: settings.depth.min(limits::DEPTH),
+        threshold: settings.threshold,
     };
     let width = view.width as usize;
     let mut counters = Counters::default();
@@ -72,37 +76,23 @@ pub fn render_at<E>(
         let height = (BATCH / width).clamp(1, (rows.end - start) as usize);
         pixels.resize(height * width, Vec3::ZERO);
         counters += pixels
-            .par_chunks_exact_mut(width)
-            .zip(start..start + height as u32)
-            .map(|(pixels, row)| {
-                let counters = render_row(scene, view, row, settings, pixels);
-                row_done();
+            .par_chunks_mut(HEIGHT * width)
+            .enumerate()
+            .map(|(band, pixels)| {
+                let row = start + (band * HEIGHT) as u32;
+                let height = (pixels.len() / width) as u32;
+                let counters = lockstep::rows(&job, view, row..row + height, pixels);
+                (0..height).for_each(|_| row_done());
                 counters
             })
-            .reduce(Counters::default, |mut sum, row| {
-                sum += row;
+            .reduce(Counters::default, |mut sum, rows| {
+                sum += rows;
                 sum
             });
         emit(&pixels)?;
         start += height as u32;
     }
     Ok(counters)
-}
-
-fn render_row(
-    scene: &Scene<'_, Wide<'_, Material>, Light>,
-    view: &View,
-    row: u32,
-    settings: Settings,
-    pixels: &mut [Vec3],
-) -> Counters {
-    let mut tracer = Tracer::<{ limits::DEPTH }, Exact, _>::with(Counters::default());
-    tracer.depth = settings.depth;
-    tracer.threshold = settings.threshold;
-    for (pixel, ray) in pixels.iter_mut().zip(view.rays(row)) {
-        *pixel = tracer.radiance(scene, ray);
-    }
-    tracer.counters
 }
 
 /// Pixels as bytes: red, green, blue.

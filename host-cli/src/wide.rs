@@ -13,26 +13,69 @@
 
 #![forbid(unsafe_code)]
 
+/// Evaluates `$call` with the tree, a token and perhaps the way to search, compiled for them.
+macro_rules! with_tree {
+    ($wide:expr, |$tree:ident, $simd:ident| $call:expr) => {
+        match &$wide.tree {
+            #[cfg(target_arch = "x86_64")]
+            $crate::wide::AnyTree::Avx512(token, $tree) => with_tree!(token, |$simd| $call),
+            #[cfg(target_arch = "x86_64")]
+            $crate::wide::AnyTree::Avx2(token, $tree) => with_tree!(token, |$simd| $call),
+            #[cfg(target_arch = "x86_64")]
+            $crate::wide::AnyTree::Sse2(token, $tree) => with_tree!(token, |$simd| $call),
+            #[cfg(not(target_arch = "x86_64"))]
+            $crate::wide::AnyTree::Other(level, $tree) => {
+                fearless_simd::dispatch!(*level, $simd => $call)
+            }
+        }
+    };
+    ($token:ident, |$simd:ident| $call:expr) => {{
+        let $simd = *$token;
+        fearless_simd::Simd::vectorize(
+            $simd,
+            #[inline(always)]
+            || $call,
+        )
+    }};
+    ($wide:expr, |$tree:ident, $simd:ident, $search:ident| $call:expr) => {
+        match $wide.search {
+            Search::Spheres => with_tree!(Spheres, $wide, |$tree, $simd, $search| $call),
+            Search::Blocks => with_tree!(Blocks, $wide, |$tree, $simd, $search| $call),
+            Search::SolidBoxes => with_tree!(SolidBoxes, $wide, |$tree, $simd, $search| $call),
+            Search::Boxes => with_tree!(Boxes, $wide, |$tree, $simd, $search| $call),
+        }
+    };
+    ($kind:ident, $wide:expr, |$tree:ident, $simd:ident, $search:ident| $call:expr) => {{
+        const $search: u8 = Search::$kind as u8;
+        with_tree!($wide, |$tree, $simd| $call)
+    }};
+}
+
+mod across;
 #[cfg(test)]
 mod agreement;
+mod beams;
 mod blocks;
 mod bounds;
 mod build;
 mod cuboid;
 mod frustum;
 mod lanes;
+pub mod lockstep;
 mod nodes;
 mod outline;
+mod packet;
 mod parts;
+mod power;
 mod rays;
 mod sphere;
 mod tree;
 
 use core::any::TypeId;
 
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-use fearless_simd::x86::Avx512;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::Level;
+#[cfg(target_arch = "x86_64")]
+use fearless_simd::x86::{Avx2, Avx512, Sse2};
 use whitted::math::Transmittance;
 use whitted::{Exact, Finish, Geometry, Math, Ray, Vec3};
 
@@ -40,7 +83,8 @@ pub use parts::{Kinds, Slice};
 
 use nodes::is_regular;
 use parts::Parts;
-use tree::{FLAT, Nearest, Search, Tree};
+use rays::INVERTIBLE;
+use tree::{About, FLAT, Nearest, Search, Tree};
 
 /// A geometry of every kind of object, built for speed.
 #[derive(Debug)]
@@ -58,35 +102,15 @@ pub struct Wide<'a, M> {
 /// A tree, and the instructions that it is for.
 #[derive(Debug)]
 enum AnyTree {
-    Eight(Level, Tree<8>),
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    Sixteen(Avx512, Tree<16>),
-}
-
-/// Evaluates `$call` with the tree, a token and the way to search, compiled for them.
-macro_rules! with_tree {
-    ($wide:expr, |$tree:ident, $simd:ident, $search:ident| $call:expr) => {
-        match $wide.search {
-            Search::Spheres => with_tree!(Spheres, $wide, |$tree, $simd, $search| $call),
-            Search::Blocks => with_tree!(Blocks, $wide, |$tree, $simd, $search| $call),
-            Search::SolidBoxes => with_tree!(SolidBoxes, $wide, |$tree, $simd, $search| $call),
-            Search::Boxes => with_tree!(Boxes, $wide, |$tree, $simd, $search| $call),
-        }
-    };
-    ($kind:ident, $wide:expr, |$tree:ident, $simd:ident, $search:ident| $call:expr) => {{
-        const $search: u8 = Search::$kind as u8;
-        match &$wide.tree {
-            AnyTree::Eight(level, $tree) => dispatch!(*level, $simd => $call),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            AnyTree::Sixteen(token, $tree) => {
-                let $simd = *token;
-                $simd.vectorize(
-                    #[inline(always)]
-                    || $call,
-                )
-            }
-        }
-    }};
+    #[cfg(target_arch = "x86_64")]
+    Avx512(Avx512, Tree<16>),
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2, Tree<8>),
+    /// What every such machine has.
+    #[cfg(target_arch = "x86_64")]
+    Sse2(Sse2, Tree<8>),
+    #[cfg(not(target_arch = "x86_64"))]
+    Other(Level, Tree<8>),
 }
 
 impl<'a, M: Finish> Wide<'a, M> {
@@ -109,11 +133,12 @@ impl<'a, M: Finish> Wide<'a, M> {
         assert!(parts.len() < u32::MAX as usize, "too many objects");
         let (items, loose) = blocks::items(&parts);
         let tree = AnyTree::new(&parts, items, level, flat);
+        let about = tree.about();
         Self {
             parts,
             loose,
-            search: tree.search(),
-            takes_any_ray: tree.takes_any_ray(),
+            search: about.search,
+            takes_any_ray: about.takes_any_ray,
             has_cuboids: !parts.cuboids.objects.is_empty(),
             tree,
         }
@@ -121,32 +146,43 @@ impl<'a, M: Finish> Wide<'a, M> {
 }
 
 impl AnyTree {
+    #[cfg(target_arch = "x86_64")]
     fn new<M: Finish>(
         parts: &Parts<'_, M>,
         items: Vec<build::Item>,
         level: Level,
         flat: usize,
     ) -> Self {
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         if let Some(token) = level.as_avx512() {
-            return Self::Sixteen(token, Tree::new(parts, items, flat));
-        }
-        Self::Eight(level, Tree::new(parts, items, flat))
-    }
-
-    fn search(&self) -> Search {
-        match self {
-            Self::Eight(_, tree) => tree.search(),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Sixteen(_, tree) => tree.search(),
+            Self::Avx512(token, Tree::new(parts, items, flat))
+        } else if let Some(token) = level.as_avx2() {
+            Self::Avx2(token, Tree::new(parts, items, flat))
+        } else {
+            let token = level.as_sse2().expect("x86-64 has SSE2");
+            Self::Sse2(token, Tree::new(parts, items, flat))
         }
     }
 
-    fn takes_any_ray(&self) -> bool {
+    #[cfg(not(target_arch = "x86_64"))]
+    fn new<M: Finish>(
+        parts: &Parts<'_, M>,
+        items: Vec<build::Item>,
+        level: Level,
+        flat: usize,
+    ) -> Self {
+        Self::Other(level, Tree::new(parts, items, flat))
+    }
+}
+
+impl AnyTree {
+    fn about(&self) -> About {
         match self {
-            Self::Eight(_, tree) => tree.takes_any_ray(),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Sixteen(_, tree) => tree.takes_any_ray(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(_, tree) => tree.about(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_, tree) | Self::Sse2(_, tree) => tree.about(),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Other(_, tree) => tree.about(),
         }
     }
 }
@@ -154,28 +190,21 @@ impl AnyTree {
 /// The levels of SIMD instructions that this machine has, by name, the least first.
 pub fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
-    let mut levels = Vec::new();
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    {
-        levels.extend(best.as_sse2().map(|it| ("SSE2", Level::Sse2(it))));
-        levels.extend(best.as_sse4_2().map(|it| ("SSE4.2", Level::Sse4_2(it))));
-        levels.extend(best.as_avx2().map(|it| ("AVX2", Level::Avx2(it))));
-        levels.extend(best.as_avx512().map(|it| ("AVX-512", Level::Avx512(it))));
-    }
-    if levels.is_empty() {
-        levels.push(("baseline", best));
-    }
-    levels
+    #[cfg(target_arch = "x86_64")]
+    let levels = [
+        best.as_sse2().map(|it| ("SSE2", Level::Sse2(it))),
+        best.as_avx2().map(|it| ("AVX2", Level::Avx2(it))),
+        best.as_avx512().map(|it| ("AVX-512", Level::Avx512(it))),
+    ];
+    #[cfg(not(target_arch = "x86_64"))]
+    let levels = [Some(("baseline", best))];
+    levels.into_iter().flatten().collect()
 }
 
 impl<M> Wide<'_, M> {
     /// The bytes of the nodes and of the blocks, beside the objects themselves.
     pub fn bytes(&self) -> [usize; 2] {
-        match &self.tree {
-            AnyTree::Eight(_, tree) => tree.bytes(),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            AnyTree::Sixteen(_, tree) => tree.bytes(),
-        }
+        self.tree.about().bytes
     }
 
     /// The object that a ray leaves, if it is one of these.
@@ -197,19 +226,61 @@ impl<M> Wide<'_, M> {
 
     #[inline(always)]
     fn takes_this(&self, ray: &Ray) -> bool {
-        // Boxes are met by products with reciprocals, which are not to be infinite times zero.
-        const LEAST: f32 = 4.0 / f32::MAX;
-        let invertible = |x: f32| x == 0.0 || x.abs() > LEAST;
+        let invertible = |x: f32| x == 0.0 || x.abs() > INVERTIBLE;
         let d = ray.direction;
         is_regular(ray)
             && (!self.has_cuboids || invertible(d.x) && invertible(d.y) && invertible(d.z))
     }
 
-    /// Objects that the lanes leave out: those in no block, and the one that the ray leaves.
+    /// Whether there are objects that the lanes leave out: those in no block, and the one that the ray
+    /// leaves.
     #[inline(always)]
+    fn has_apart(&self, left: u32) -> bool {
+        left != u32::MAX && !self.parts.is_flat(left as usize) || !self.loose.is_empty()
+    }
+
+    /// Whether all objects are tested, and lanes give the kernels' own answer about all.
+    fn has_few(&self) -> bool {
+        matches!(self.search, Search::Spheres | Search::Blocks)
+            && self.loose.len() == self.parts.planes.objects.len()
+            && self.parts.len() < 1 << 24
+    }
+
+    /// These objects.
     fn apart(&self, left: u32) -> impl Iterator<Item = u32> {
         let left = (left != u32::MAX).then_some(left);
         left.into_iter().chain(self.loose.iter().copied())
+    }
+
+    /// What a ray meets of these objects. Not inlined, nor are the next two: most rays have none, and what
+    /// the kernels compute of a ray would be computed for all.
+    #[inline(never)]
+    fn nearest_apart(&self, ray: &Ray, first: usize, left: u32, nearest: &mut Nearest) {
+        for object in self.apart(left) {
+            if let Some(t) = self.parts.intersect::<Exact>(ray, object as usize, first) {
+                nearest.offer(t, object);
+            }
+        }
+    }
+
+    /// Whether a ray meets any of these objects.
+    #[inline(never)]
+    fn blocks_apart(&self, ray: &Ray, first: usize, left: u32) -> bool {
+        self.apart(left).any(|object| {
+            let t = self.parts.intersect::<Exact>(ray, object as usize, first);
+            t.is_some()
+        })
+    }
+
+    /// What these objects take of a light; true where that is all.
+    #[inline(never)]
+    fn absorbs_apart(&self, ray: &Ray, first: usize, left: u32, light: &mut Transmittance) -> bool
+    where
+        M: Finish,
+    {
+        let parts = &self.parts;
+        self.apart(left)
+            .any(|object| parts.absorbs::<Exact>(ray, object as usize, first, light))
     }
 }
 
@@ -226,11 +297,9 @@ impl<M: Finish> Geometry for Wide<'_, M> {
             return self.parts.kinds.nearest::<P>(ray, first);
         }
         let left = self.left(ray, first);
-        let mut nearest = Nearest::before(ray);
-        for object in self.apart(left) {
-            if let Some(t) = self.parts.intersect::<P>(ray, object as usize, first) {
-                nearest.offer(t, object);
-            }
+        let mut nearest = Nearest::before(ray.t_max);
+        if self.has_apart(left) {
+            self.nearest_apart(ray, first, left, &mut nearest);
         }
         with_tree!(self, |tree, simd, SEARCH| tree.nearest::<_, SEARCH>(
             simd,
@@ -262,8 +331,7 @@ impl<M: Finish> Geometry for Wide<'_, M> {
             return self.parts.kinds.blocks::<P>(ray, first);
         }
         let left = self.left(ray, first);
-        self.apart(left)
-            .any(|it| self.parts.intersect::<P>(ray, it as usize, first).is_some())
+        self.has_apart(left) && self.blocks_apart(ray, first, left)
             || with_tree!(self, |tree, simd, SEARCH| tree
                 .blocks::<_, SEARCH>(simd, ray, left))
     }
@@ -275,8 +343,7 @@ impl<M: Finish> Geometry for Wide<'_, M> {
         }
         let left = self.left(ray, first);
         let parts = &self.parts;
-        self.apart(left)
-            .any(|it| parts.absorbs::<P>(ray, it as usize, first, light))
+        self.has_apart(left) && self.absorbs_apart(ray, first, left, light)
             || with_tree!(self, |tree, simd, SEARCH| tree
                 .absorbs::<_, _, P, SEARCH>(simd, parts, ray, left, first, light))
     }

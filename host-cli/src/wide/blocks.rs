@@ -7,7 +7,7 @@ use whitted::Finish;
 use super::bounds;
 use super::build::Item;
 use super::cuboid::Cuboids;
-use super::frustum::Frusta;
+use super::frustum::{self, Frusta};
 use super::lanes::{Lanes, Meeting};
 use super::outline::{Outline, Outlines};
 use super::parts::Parts;
@@ -128,6 +128,21 @@ impl<const N: usize> Blocks<N> {
             + shelf(&self.cuboids)
             + shelf(&self.frusta)
             + shelf(&self.hollow_frusta)
+    }
+
+    /// What the lanes of a block stand for.
+    #[inline(always)]
+    pub fn labels(&self, kind: Kind, index: usize) -> &Labels<N> {
+        match kind {
+            Kind::Sphere => &self.spheres.labels[index],
+            Kind::HollowSphere => &self.hollow_spheres.labels[index],
+            Kind::Triangle => &self.triangles.labels[index],
+            Kind::Quad => &self.quads.labels[index],
+            Kind::Outline => &self.outlines.labels[index],
+            Kind::Cuboid => &self.cuboids.labels[index],
+            Kind::Frustum => &self.frusta.labels[index],
+            Kind::HollowFrustum => &self.hollow_frusta.labels[index],
+        }
     }
 
     /// How many blocks of a kind there are.
@@ -306,9 +321,7 @@ pub fn items<M>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
     }
     for (place, object) in parts.frusta.places() {
         let frustum = &object.shape;
-        // As the kernel asks it.
-        let middle = frustum.base_radius + frustum.slope * (0.5 * frustum.length);
-        let kind = if middle > 0.0 {
+        let kind = if frustum::shows_outside(frustum) {
             Kind::Frustum
         } else {
             Kind::HollowFrustum

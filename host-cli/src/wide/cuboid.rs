@@ -5,7 +5,8 @@ use core::ops::BitAnd;
 use fearless_simd::{Select, Simd, SimdMask};
 use whitted::Cuboid;
 
-use super::lanes::{Lanes, Meeting, nothing};
+use super::across::Terms;
+use super::lanes::{Lanes, Meeting, Vectors, nothing};
 use super::rays::RayTerms;
 
 /// `N` axis-aligned boxes.
@@ -104,5 +105,40 @@ impl<V, M> Inside<V, M> {
         let (near, far) = (near * reciprocal, far * reciprocal);
         self.entry = near.simd_gt(self.entry).select(near, self.entry);
         self.exit = far.simd_lt(self.exit).select(far, self.exit);
+    }
+}
+
+/// As `Cuboid::intersect`, a ray a lane.
+#[inline(always)]
+pub fn meet_rays<S: Simd, V: Lanes<S>>(
+    simd: S,
+    shape: &Cuboid,
+    terms: &Terms<V, V::Mask>,
+    limit: V,
+) -> Meeting<V, V::Mask> {
+    let zero = V::simd_from(simd, 0.0);
+    let mut entry = V::simd_from(simd, f32::NEG_INFINITY);
+    let mut exit = V::simd_from(simd, f32::INFINITY);
+    let mut met = V::Mask::splat(simd, true);
+    let (o, d, r) = (terms.origin, terms.direction, terms.reciprocal);
+    let min = Vectors::<V>::splat(simd, shape.min);
+    let max = Vectors::<V>::splat(simd, shape.max);
+    for (o, d, r, min, max) in [
+        (o.x, d.x, r.x, min.x, max.x),
+        (o.y, d.y, r.y, min.y, max.y),
+        (o.z, d.z, r.z, min.z, max.z),
+    ] {
+        let (to_min, to_max): (V, V) = (min - o, max - o);
+        let (up, along) = (d.simd_gt(zero), d.simd_eq(zero));
+        let near: V = up.select(to_min, to_max) * r;
+        let far: V = up.select(to_max, to_min) * r;
+        entry = (near.simd_gt(entry) & !along).select(near, entry);
+        exit = (far.simd_lt(exit) & !along).select(far, exit);
+        met &= !along | (to_min.simd_le(zero) & to_max.simd_ge(zero));
+    }
+    let t = entry.simd_gt(zero).select(entry, exit);
+    Meeting {
+        t,
+        met: met & entry.simd_le(exit) & t.simd_gt(zero) & t.simd_lt(limit),
     }
 }

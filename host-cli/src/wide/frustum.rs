@@ -3,6 +3,7 @@
 use fearless_simd::{Select, Simd, SimdMask};
 use whitted::Frustum;
 
+use super::across::Terms;
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
 use super::rays::RayTerms;
 
@@ -47,54 +48,109 @@ impl<const N: usize> Frusta<N> {
         terms: &RayTerms<'_>,
         limit: f32,
     ) -> Meeting<V, V::Mask> {
-        let (zero, limit) = (V::simd_from(simd, 0.0), V::simd_from(simd, limit));
+        let frustum = Spread {
+            base: Vectors::load(simd, &self.base),
+            axis: Vectors::load(simd, &self.axis),
+            length: V::from_slice(simd, &self.length),
+            base_radius: V::from_slice(simd, &self.base_radius),
+            slope: V::from_slice(simd, &self.slope),
+        };
         let origin = Vectors::splat(simd, terms.ray.origin);
         let direction = Vectors::splat(simd, terms.ray.direction);
-        let axis = Vectors::<V>::load(simd, &self.axis);
-        let slope = V::from_slice(simd, &self.slope);
-        let to_base = Vectors::load(simd, &self.base) - origin;
-        let approach = to_base.dot(direction);
-        let from_base = direction * approach - to_base;
-        let along = from_base.dot(axis);
-        let across = from_base - axis * along;
-        let radius = V::from_slice(simd, &self.base_radius) + slope * along;
-        let along_rate = direction.dot(axis);
-        let across_rate = direction - axis * along_rate;
-        let radius_rate = slope * along_rate;
-        let growth = across_rate * radius - across * radius_rate;
-        let twist = across.cross(across_rate);
-        let discriminant = growth.dot(growth) - twist.dot(twist);
-        let real = discriminant.simd_ge(zero);
-        if !real.any_true() {
-            return nothing(simd);
-        }
-        let a = across_rate.dot(across_rate) - radius_rate * radius_rate;
-        let b = across.dot(across_rate) - radius * radius_rate;
-        let c = across.dot(across) - radius * radius;
-        let root = discriminant.sqrt();
-        let outgoing = b.simd_gt(zero);
-        let q = outgoing.select(-b - root, root - b);
-        let (far, near) = (q / a, c / q);
-        let (entry, exit) = (outgoing.select(far, near), outgoing.select(near, far));
-        let length = V::from_slice(simd, &self.length);
-        let at = along + exit * along_rate;
-        let exit = approach + exit;
-        let between_ends = real & at.simd_ge(zero) & at.simd_le(length);
-        let exits = between_ends & exit.simd_gt(zero) & exit.simd_lt(limit);
-        if HOLLOW {
-            return Meeting {
-                t: exit,
-                met: exits,
-            };
-        }
-        let at = along + entry * along_rate;
-        let entry = approach + entry;
-        let between_ends = real & at.simd_ge(zero) & at.simd_le(length);
-        let enters = between_ends & entry.simd_gt(zero) & entry.simd_lt(limit);
-        let exits_first = exits & (!enters | exit.simd_lt(entry));
-        Meeting {
-            t: exits_first.select(exit, entry),
-            met: enters | exits,
-        }
+        let limit = V::simd_from(simd, limit);
+        meet::<S, V, HOLLOW>(simd, &frustum, origin, direction, limit)
+    }
+}
+
+/// The same frustum, and a ray a lane.
+#[inline(always)]
+pub fn meet_rays<S: Simd, V: Lanes<S>>(
+    simd: S,
+    shape: &Frustum,
+    terms: &Terms<V, V::Mask>,
+    limit: V,
+) -> Meeting<V, V::Mask> {
+    let frustum = Spread {
+        base: Vectors::splat(simd, shape.base),
+        axis: Vectors::splat(simd, shape.axis),
+        length: V::simd_from(simd, shape.length),
+        base_radius: V::simd_from(simd, shape.base_radius),
+        slope: V::simd_from(simd, shape.slope),
+    };
+    if shows_outside(shape) {
+        meet::<S, V, false>(simd, &frustum, terms.origin, terms.direction, limit)
+    } else {
+        meet::<S, V, true>(simd, &frustum, terms.origin, terms.direction, limit)
+    }
+}
+
+/// As the kernel asks it.
+pub fn shows_outside(shape: &Frustum) -> bool {
+    shape.base_radius + shape.slope * (0.5 * shape.length) > 0.0
+}
+
+/// A frustum a lane.
+struct Spread<V> {
+    base: Vectors<V>,
+    axis: Vectors<V>,
+    length: V,
+    base_radius: V,
+    slope: V,
+}
+
+/// As `Frustum::intersect`, a frustum and a ray a lane.
+#[inline(always)]
+fn meet<S: Simd, V: Lanes<S>, const HOLLOW: bool>(
+    simd: S,
+    frustum: &Spread<V>,
+    origin: Vectors<V>,
+    direction: Vectors<V>,
+    limit: V,
+) -> Meeting<V, V::Mask> {
+    let zero = V::simd_from(simd, 0.0);
+    let (axis, slope) = (frustum.axis, frustum.slope);
+    let to_base = frustum.base - origin;
+    let approach = to_base.dot(direction);
+    let from_base = direction * approach - to_base;
+    let along = from_base.dot(axis);
+    let across = from_base - axis * along;
+    let radius = frustum.base_radius + slope * along;
+    let along_rate = direction.dot(axis);
+    let across_rate = direction - axis * along_rate;
+    let radius_rate = slope * along_rate;
+    let growth = across_rate * radius - across * radius_rate;
+    let twist = across.cross(across_rate);
+    let discriminant = growth.dot(growth) - twist.dot(twist);
+    let real = discriminant.simd_ge(zero);
+    if !real.any_true() {
+        return nothing(simd);
+    }
+    let a = across_rate.dot(across_rate) - radius_rate * radius_rate;
+    let b = across.dot(across_rate) - radius * radius_rate;
+    let c = across.dot(across) - radius * radius;
+    let root = discriminant.sqrt();
+    let outgoing = b.simd_gt(zero);
+    let q = outgoing.select(-b - root, root - b);
+    let (far, near) = (q / a, c / q);
+    let (entry, exit) = (outgoing.select(far, near), outgoing.select(near, far));
+    let length = frustum.length;
+    let at = along + exit * along_rate;
+    let exit = approach + exit;
+    let between_ends = real & at.simd_ge(zero) & at.simd_le(length);
+    let exits = between_ends & exit.simd_gt(zero) & exit.simd_lt(limit);
+    if HOLLOW {
+        return Meeting {
+            t: exit,
+            met: exits,
+        };
+    }
+    let at = along + entry * along_rate;
+    let entry = approach + entry;
+    let between_ends = real & at.simd_ge(zero) & at.simd_le(length);
+    let enters = between_ends & entry.simd_gt(zero) & entry.simd_lt(limit);
+    let exits_first = exits & (!enters | exit.simd_lt(entry));
+    Meeting {
+        t: exits_first.select(exit, entry),
+        met: enters | exits,
     }
 }

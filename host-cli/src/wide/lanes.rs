@@ -3,9 +3,9 @@
 //! Every lane does what `whitted`'s scalar kernels do, in their order: nothing is fused or
 //! reassociated, so that the bits are the same at every SIMD level.
 
-use core::ops::{Mul, Neg, Sub};
+use core::ops::{Add, Mul, Neg, Sub};
 
-use fearless_simd::{Simd, SimdFloat, SimdMask};
+use fearless_simd::{Select, Simd, SimdFloat, SimdMask};
 use glam::Vec3;
 
 /// A vector of `f32` at some SIMD level.
@@ -48,6 +48,15 @@ impl<V> Vectors<V> {
         }
     }
 
+    /// `v` where `mask` is not set.
+    #[inline(always)]
+    pub fn select<S: Simd>(simd: S, mask: V::Mask, set: Self, v: Vec3) -> Self
+    where
+        V: Lanes<S>,
+    {
+        mask_of(mask, set, Self::splat(simd, v))
+    }
+
     /// Summed as glam's `Vec3::dot` does.
     #[inline(always)]
     pub fn dot<S: Simd>(self, other: Self) -> V
@@ -67,6 +76,54 @@ impl<V> Vectors<V> {
             x: self.y * other.z - other.y * self.z,
             y: self.z * other.x - other.z * self.x,
             z: self.x * other.y - other.x * self.y,
+        }
+    }
+}
+
+/// `set` where `mask` is set, else `unset`.
+#[inline(always)]
+pub fn mask_of<S: Simd, V: Lanes<S>>(
+    mask: V::Mask,
+    set: Vectors<V>,
+    unset: Vectors<V>,
+) -> Vectors<V> {
+    Vectors {
+        x: mask.select(set.x, unset.x),
+        y: mask.select(set.y, unset.y),
+        z: mask.select(set.z, unset.z),
+    }
+}
+
+/// As `rays::fastest`: which directions go fastest along the first axis, and which along the second.
+#[inline(always)]
+pub fn fastest_of_each<S: Simd, V: Lanes<S>>(direction: Vectors<V>) -> [V::Mask; 2] {
+    let (x, y, z) = (direction.x.abs(), direction.y.abs(), direction.z.abs());
+    let along_x = x.simd_gt(y) & x.simd_gt(z);
+    [along_x, !along_x & y.simd_gt(z)]
+}
+
+impl<V: Add<Output = V>> Add for Vectors<V> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self {
+            x: self.x + other.x,
+            y: self.y + other.y,
+            z: self.z + other.z,
+        }
+    }
+}
+
+impl<V: Mul<Output = V>> Mul for Vectors<V> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self {
+            x: self.x * other.x,
+            y: self.y * other.y,
+            z: self.z * other.z,
         }
     }
 }

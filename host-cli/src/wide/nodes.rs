@@ -90,23 +90,40 @@ impl<const N: usize> Node<N> {
     ) -> (V, u32) {
         let [x, y, z] = &self.planes;
         let (zero, limit) = (V::simd_from(simd, 0.0), V::simd_from(simd, limit));
-        let x: (V, V) = terms.x.meet(simd, x);
-        let y: (V, V) = terms.y.meet(simd, y);
-        let z: (V, V) = terms.z.meet(simd, z);
-        let entry = x.0.max(y.0).max(z.0);
-        let exit = x.1.min(y.1).min(z.1);
-        if SOLID {
-            let (entry, exit) = (entry.max(zero), exit.min(limit));
-            return (entry, entry.simd_le(exit).to_bitmask() as u32);
-        }
-        let (near, far) = match terms.axis {
-            0 => x,
-            1 => y,
-            _ => z,
-        };
-        let met = entry.simd_le(exit) & near.simd_le(limit) & far.simd_ge(zero);
-        (near, met.to_bitmask() as u32)
+        let x = terms.x.meet(simd, x);
+        let y = terms.y.meet(simd, y);
+        let z = terms.z.meet(simd, z);
+        met::<S, V, SOLID>([x, y, z], terms.axis, zero, limit)
     }
+
+    /// For each axis the lower and the upper bounds.
+    #[inline(always)]
+    pub fn planes(&self) -> &[[[f32; N]; 2]; 3] {
+        &self.planes
+    }
+}
+
+/// What [`Node::meet`] returns, from where each axis' planes are entered and left.
+#[inline(always)]
+pub fn met<S: Simd, V: Lanes<S>, const SOLID: bool>(
+    [x, y, z]: [(V, V); 3],
+    axis: usize,
+    zero: V,
+    limit: V,
+) -> (V, u32) {
+    let entry = x.0.max(y.0).max(z.0);
+    let exit = x.1.min(y.1).min(z.1);
+    if SOLID {
+        let (entry, exit) = (entry.max(zero), exit.min(limit));
+        return (entry, entry.simd_le(exit).to_bitmask() as u32);
+    }
+    let (near, far) = match axis {
+        0 => x,
+        1 => y,
+        _ => z,
+    };
+    let met = entry.simd_le(exit) & near.simd_le(limit) & far.simd_ge(zero);
+    (near, met.to_bitmask() as u32)
 }
 
 /// The terms with which a ray meets boxes.

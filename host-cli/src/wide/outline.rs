@@ -6,6 +6,7 @@
 use fearless_simd::{Select, Simd, SimdMask};
 use glam::Vec3;
 
+use super::across::{Terms, turn};
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
 use super::rays::RayTerms;
 
@@ -138,9 +139,20 @@ impl<V: Copy> Shear<V> {
     where
         V: Lanes<S>,
     {
-        let x = V::from_slice(simd, a) - self.origin.x;
-        let y = V::from_slice(simd, b) - self.origin.y;
-        let z = V::from_slice(simd, c) - self.origin.z;
+        self.place(Vectors {
+            x: V::from_slice(simd, a),
+            y: V::from_slice(simd, b),
+            z: V::from_slice(simd, c),
+        })
+    }
+
+    /// The same, from points on the turned axes.
+    #[inline(always)]
+    fn place<S: Simd>(&self, point: Vectors<V>) -> [V; 2]
+    where
+        V: Lanes<S>,
+    {
+        let Vectors { x, y, z } = point - self.origin;
         let Vectors {
             x: dx,
             y: dy,
@@ -218,11 +230,19 @@ impl Outline {
         limit: f32,
     ) -> Option<f32> {
         let zero = V::simd_from(simd, 0.0);
-        let shear = Shear::<V>::new(simd, terms);
         let (ray, [x, y, z]) = (terms.ray, terms.turned.axes);
-        let rows = (&self.rows[x], &self.rows[y], &self.rows[z]);
+        let rate = self.normal.dot(ray.direction);
+        let mut t = self.normal.dot(self.point - ray.origin) / rate;
+        let edge_on = rate < EDGE_ON && rate > -EDGE_ON;
+        // The plane turns most rays away, before any edge is looked at.
+        if !(edge_on || t > 0.0 && t < limit) {
+            return None;
+        }
+        let shear = Shear::<V>::new(simd, terms);
+        let rows = (&self.rows[x][..], &self.rows[y][..], &self.rows[z][..]);
         let mut inside = V::Mask::splat(simd, false);
-        for at in (0..rows.0.len() - 1).step_by(N) {
+        let mut at = 0;
+        while at + N < rows.0.len() {
             let (now, next) = (at..at + N, at + 1..at + 1 + N);
             let from = shear.apply(
                 simd,
@@ -237,13 +257,12 @@ impl Outline {
                 &rows.2[next],
             );
             inside ^= crosses(from, from[1].simd_ge(zero), to, to[1].simd_ge(zero));
+            at += N;
         }
         if inside.to_bitmask().count_ones() % 2 == 0 {
             return None;
         }
-        let rate = self.normal.dot(ray.direction);
-        let mut t = self.normal.dot(self.point - ray.origin) / rate;
-        if rate < EDGE_ON && rate > -EDGE_ON {
+        if edge_on {
             let (start, speed) = (terms.turned.origin.z, terms.turned.direction.z);
             let ends = self.depths[z].map(|depth| (depth - start) / speed);
             let [nearest, farthest] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
@@ -254,5 +273,56 @@ impl Outline {
             }
         }
         (t > 0.0 && t < limit).then_some(t)
+    }
+}
+
+/// As `Polygon::intersect`, a ray a lane.
+#[inline(always)]
+pub fn meet_rays<S: Simd, V: Lanes<S>>(
+    simd: S,
+    vertices: &[Vec3],
+    normal: Vec3,
+    terms: &Terms<V, V::Mask>,
+    limit: V,
+) -> Meeting<V, V::Mask> {
+    let zero = V::simd_from(simd, 0.0);
+    let (Some(&point), Some(&last)) = (vertices.first(), vertices.last()) else {
+        return nothing(simd);
+    };
+    let normal = Vectors::<V>::splat(simd, normal);
+    let rate = normal.dot(terms.direction);
+    let mut t = normal.dot(Vectors::splat(simd, point) - terms.origin) / rate;
+    let edge_on =
+        rate.simd_lt(V::simd_from(simd, EDGE_ON)) & rate.simd_gt(V::simd_from(simd, -EDGE_ON));
+    if !(edge_on | (t.simd_gt(zero) & t.simd_lt(limit))).any_true() {
+        return nothing(simd);
+    }
+    let shear = Shear {
+        origin: terms.turned[0],
+        direction: terms.turned[1],
+    };
+    let mut inside = V::Mask::splat(simd, false);
+    let mut from = shear.place(turn(terms.axes, Vectors::splat(simd, last)));
+    let mut from_is_above = from[1].simd_ge(zero);
+    for &vertex in vertices {
+        let to = shear.place(turn(terms.axes, Vectors::splat(simd, vertex)));
+        let to_is_above = to[1].simd_ge(zero);
+        inside ^= crosses(from, from_is_above, to, to_is_above);
+        (from, from_is_above) = (to, to_is_above);
+    }
+    if (inside & edge_on).any_true() {
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for &vertex in vertices {
+            (low, high) = (low.min(vertex), high.max(vertex));
+        }
+        let (start, speed) = (shear.origin.z, shear.direction.z);
+        let low = turn(terms.axes, Vectors::<V>::splat(simd, low)).z;
+        let high = turn(terms.axes, Vectors::<V>::splat(simd, high)).z;
+        let (low, high) = ((low - start) / speed, (high - start) / speed);
+        t = edge_on.select(between(t, low.min(high), low.max(high)), t);
+    }
+    Meeting {
+        t,
+        met: inside & t.simd_gt(zero) & t.simd_lt(limit),
     }
 }

@@ -176,6 +176,44 @@ impl<'a, M> Parts<'a, M> {
         None
     }
 
+    /// What an object is made of.
+    pub fn material(&self, object: usize) -> Option<&'a M> {
+        with_object!(self, object, |it| Some(it.material));
+        None
+    }
+
+    /// Whether an object is flat: no ray that leaves it meets it again, and none meets it twice.
+    #[inline(always)]
+    pub fn is_flat(&self, object: usize) -> bool {
+        (self.planes.first..self.cuboids.first).contains(&object)
+    }
+
+    /// As [`absorbs`](Self::absorbs), of an object that the ray meets.
+    #[inline]
+    pub fn absorbs_met<P: Math>(
+        &self,
+        ray: &Ray,
+        object: usize,
+        first: usize,
+        light: &mut Transmittance,
+    ) -> bool
+    where
+        M: Finish,
+    {
+        if !self.is_flat(object) {
+            return self.absorbs::<P>(ray, object, first, light);
+        }
+        with_object!(self, object, |it| {
+            let factor = it.material.transmission().transmittance();
+            if factor > 0.0 {
+                light.cross(factor, 1);
+            }
+            // Also true for NaN.
+            !(factor > 0.0)
+        });
+        false
+    }
+
     /// As [`Geometry::absorbs`] of one of the objects alone.
     pub fn absorbs<P: Math>(
         &self,

@@ -9,6 +9,10 @@
 use glam::Vec3;
 use whitted::Ray;
 
+/// Boxes are met by products with reciprocals, which are not to be infinite times zero: from what size on
+/// a direction's component has one.
+pub const INVERTIBLE: f32 = 4.0 / f32::MAX;
+
 /// A ray and what kernels need to know of it.
 #[derive(Clone, Copy)]
 pub struct RayTerms<'a> {

@@ -41,33 +41,51 @@ impl<const N: usize> Spheres<N> {
         terms: &RayTerms<'_>,
         limit: f32,
     ) -> Meeting<V, V::Mask> {
-        let origin = Vectors::splat(simd, terms.ray.origin);
-        let direction = Vectors::splat(simd, terms.ray.direction);
-        let to_center = Vectors::<V>::load(simd, &self.center) - origin;
-        let approach = to_center.dot(direction);
-        let miss = direction * approach - to_center;
-        let square = V::from_slice(simd, &self.radius_squared) - miss.dot(miss);
-        const SLACK: f32 = 1.0 / (1_u64 << 40) as f32;
-        let near = square.simd_ge(approach * approach * -SLACK);
-        if !near.any_true() {
-            return nothing(simd);
-        }
-        let zero = V::simd_from(simd, 0.0);
-        let along = miss.dot(direction);
-        let half_chord_squared = square + along * along;
-        let met = near & half_chord_squared.simd_ge(zero);
-        let half_chord = half_chord_squared.sqrt();
-        let exit = approach + (half_chord - along);
-        // Rounding is monotonic: the exit is never before the entry.
-        let t = if HOLLOW {
-            exit
-        } else {
-            let entry = approach - (half_chord + along);
-            entry.simd_gt(zero).select(entry, exit)
-        };
-        Meeting {
-            t,
-            met: met & t.simd_gt(zero) & t.simd_lt(V::simd_from(simd, limit)),
-        }
+        meet::<S, V, HOLLOW>(
+            simd,
+            Vectors::load(simd, &self.center),
+            V::from_slice(simd, &self.radius_squared),
+            Vectors::splat(simd, terms.ray.origin),
+            Vectors::splat(simd, terms.ray.direction),
+            V::simd_from(simd, limit),
+        )
+    }
+}
+
+/// As `Sphere::intersect`, a sphere and a ray a lane.
+#[inline(always)]
+pub fn meet<S: Simd, V: Lanes<S>, const HOLLOW: bool>(
+    simd: S,
+    center: Vectors<V>,
+    radius_squared: V,
+    origin: Vectors<V>,
+    direction: Vectors<V>,
+    limit: V,
+) -> Meeting<V, V::Mask> {
+    let to_center = center - origin;
+    let approach = to_center.dot(direction);
+    let miss = direction * approach - to_center;
+    let square = radius_squared - miss.dot(miss);
+    const SLACK: f32 = 1.0 / (1_u64 << 40) as f32;
+    let near = square.simd_ge(approach * approach * -SLACK);
+    if !near.any_true() {
+        return nothing(simd);
+    }
+    let zero = V::simd_from(simd, 0.0);
+    let along = miss.dot(direction);
+    let half_chord_squared = square + along * along;
+    let met = near & half_chord_squared.simd_ge(zero);
+    let half_chord = half_chord_squared.sqrt();
+    let exit = approach + (half_chord - along);
+    // Rounding is monotonic: the exit is never before the entry.
+    let t = if HOLLOW {
+        exit
+    } else {
+        let entry = approach - (half_chord + along);
+        entry.simd_gt(zero).select(entry, exit)
+    };
+    Meeting {
+        t,
+        met: met & t.simd_gt(zero) & t.simd_lt(limit),
     }
 }

@@ -19,7 +19,7 @@ use super::rays::{Needs, RayTerms};
 pub const FLAT: usize = 64;
 
 /// How many boxes may wait on the way down a tree.
-const WAITING: usize = 384;
+pub const WAITING: usize = 384;
 
 /// The vector whose lanes are as many as a tree's blocks have.
 pub trait Vector<S: Simd> {
@@ -55,11 +55,11 @@ pub struct Nearest {
 }
 
 impl Nearest {
-    /// Before the first hit.
+    /// Before the first hit of a ray that ends there.
     #[inline(always)]
-    pub fn before(ray: &Ray) -> Self {
+    pub fn before(end: f32) -> Self {
         Self {
-            t: ray.t_max,
+            t: end,
             object: u32::MAX,
         }
     }
@@ -149,8 +149,32 @@ impl<const N: usize> Tree<N> {
         true
     }
 
+    /// A node, by its place.
+    #[inline(always)]
+    pub fn node(&self, index: usize) -> &Node<N> {
+        &self.nodes[index]
+    }
+
+    /// The blocks of every kind.
+    #[inline(always)]
+    pub fn all_blocks(&self) -> &Blocks<N> {
+        &self.blocks
+    }
+
+    /// Which terms of a ray the blocks ask for.
+    #[inline(always)]
+    pub fn needs(&self) -> Needs {
+        self.needs
+    }
+
+    /// How many coordinates of its origin a ray's hits may lie outside the boxes.
+    #[inline(always)]
+    pub fn slack(&self) -> f32 {
+        self.slack
+    }
+
     /// How to look for what a ray meets.
-    pub fn search(&self) -> Search {
+    fn search(&self) -> Search {
         let others = |kind: &Kind| *kind != Kind::Sphere && self.blocks.len(*kind) > 0;
         if !self.nodes.is_empty() {
             if self.needs.turned {
@@ -167,7 +191,7 @@ impl<const N: usize> Tree<N> {
 
     /// Whether every ray gets the kernels' own answer: there are no boxes, and no kernel of those
     /// whose lanes presuppose numbers of common size.
-    pub fn takes_any_ray(&self) -> bool {
+    fn takes_any_ray(&self) -> bool {
         self.nodes.is_empty() && self.needs == Needs::default()
     }
 
@@ -322,15 +346,27 @@ impl<const N: usize> Tree<N> {
     {
         let visit = UntilDark {
             left,
-            absorb: |object: u32| parts.absorbs::<P>(ray, object as usize, first, light),
+            absorb: |object: u32| parts.absorbs_met::<P>(ray, object as usize, first, light),
         };
         self.visit::<S, SEARCH, false>(simd, ray, ray.t_max, visit)
     }
 
-    /// Bytes of nodes and of blocks.
-    pub fn bytes(&self) -> [usize; 2] {
-        [self.nodes.len() * size_of::<Node<N>>(), self.blocks.bytes()]
+    /// What holds for every ray.
+    pub fn about(&self) -> About {
+        About {
+            search: self.search(),
+            takes_any_ray: self.takes_any_ray(),
+            bytes: [self.nodes.len() * size_of::<Node<N>>(), self.blocks.bytes()],
+        }
     }
+}
+
+/// What of a tree does not depend on how wide it is.
+pub struct About {
+    pub search: Search,
+    pub takes_any_ray: bool,
+    /// Of nodes and of blocks.
+    pub bytes: [usize; 2],
 }
 
 /// How to look for what a ray meets.
@@ -418,7 +454,7 @@ where
 
 /// The lanes that are met, without the object that the ray leaves.
 #[inline(always)]
-fn without<V, const N: usize>(found: &Found<'_, V, N>, left: u32) -> u32 {
+pub fn without<V, const N: usize>(found: &Found<'_, V, N>, left: u32) -> u32 {
     let mut met = found.lanes;
     if met != 0 && left != u32::MAX {
         for (lane, &object) in found.labels.objects.iter().enumerate() {

@@ -1,0 +1,685 @@
+//! `whitted::Tracer`, for as many pixels at once as a vector has lanes.
+//!
+//! Every lane goes through the tracer's own loop and adds up its terms in its order, so that every pixel
+//! has its bits; all arithmetic of shading is by vectors, a lane a pixel. In scenes of few objects, so
+//! are all queries ([`across`]). In larger ones neighbouring pixels' first rays, and their shadow rays,
+//! go down the hierarchy as [packets](super::packet), the others one by one.
+
+use core::ops::Range;
+
+use fearless_simd::{Select, Simd, SimdMask};
+use whitted::math::{self, Transmittance};
+use whitted::{Counters, Exact, Geometry, Hit, Light, LightSource, Ray, Vec3, View};
+
+use super::Wide;
+use super::across::{self, Terms};
+use super::beams::{Beams, Rows, Set};
+use super::lanes::{Lanes, Vectors, mask_of};
+use super::packet::{LightOfEach, NearestOfEach, Packet};
+use super::power::powers;
+use super::tree::{Nearest, Tree, Vector};
+use crate::scene::Material;
+
+/// What is traced, and how far.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a, L> {
+    /// The objects.
+    pub geometry: &'a Wide<'a, Material>,
+    /// As [`whitted::Scene::lights`].
+    pub lights: &'a [L],
+    /// As [`whitted::Scene::background`].
+    pub background: Vec3,
+    /// As [`whitted::Scene::ambient`].
+    pub ambient: Vec3,
+    /// As [`whitted::Tracer::depth`].
+    pub depth: usize,
+    /// As [`whitted::Tracer::threshold`].
+    pub threshold: f32,
+}
+
+/// Renders rows of a picture, from top to bottom, left to right, into `pixels`.
+pub fn rows<L: LightSource + Copy>(
+    job: &Job<'_, L>,
+    view: &View,
+    rows: Range<u32>,
+    pixels: &mut [Vec3],
+) -> Counters {
+    let mut counters = Counters::default();
+    with_tree!(job.geometry, |tree, simd| band(
+        simd,
+        tree,
+        job,
+        view,
+        rows,
+        pixels,
+        &mut counters
+    ));
+    counters
+}
+
+/// As [`Geometry::closest_hit`] of each ray; fastest where neighbours go about the same way.
+pub fn closest_hits<'a>(
+    geometry: &'a Wide<'_, Material>,
+    rays: &[Ray],
+    hits: &mut [Option<Hit<'a, Material>>],
+) {
+    with_tree!(geometry, |tree, simd| each_hit(
+        simd, tree, geometry, rays, hits
+    ));
+}
+
+#[inline(always)]
+fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
+    simd: S,
+    tree: &Tree<N>,
+    geometry: &'a Wide<'_, Material>,
+    rays: &[Ray],
+    hits: &mut [Option<Hit<'a, Material>>],
+) where
+    Tree<N>: Vector<S, Lanes = V>,
+{
+    let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
+    for (rays, hits) in rays.chunks(N).zip(hits.chunks_mut(N)) {
+        let active = group.beams.take(rays, geometry.len());
+        let hit = group.nearest(simd, active, false);
+        group.surfaces(simd, hit);
+        let found = &group.hits;
+        for (lane, to) in hits.iter_mut().enumerate() {
+            let object = found.object[lane] as usize;
+            *to = (hit >> lane & 1 != 0)
+                .then(|| geometry.parts.material(object))
+                .flatten()
+                .map(|material| Hit {
+                    t: found.t[lane],
+                    point: found.point.get(lane),
+                    normal: found.normal.get(lane),
+                    front: found.front >> lane & 1 != 0,
+                    object,
+                    material,
+                });
+        }
+    }
+}
+
+/// As [`Geometry::transmittance`] of each ray; fastest where neighbours go about the same way.
+pub fn transmittances(geometry: &Wide<'_, Material>, rays: &[Ray], passed: &mut [f32]) {
+    with_tree!(geometry, |tree, simd| each_transmittance(
+        simd, tree, geometry, rays, passed
+    ));
+}
+
+#[inline(always)]
+fn each_transmittance<S: Simd, V: Lanes<S>, const N: usize>(
+    simd: S,
+    tree: &Tree<N>,
+    geometry: &Wide<'_, Material>,
+    rays: &[Ray],
+    passed: &mut [f32],
+) where
+    Tree<N>: Vector<S, Lanes = V>,
+{
+    let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
+    for (rays, to) in rays.chunks(N).zip(passed.chunks_mut(N)) {
+        let active = group.shadows.take(rays, geometry.len());
+        let mut passed = [0.0; N];
+        group.cast_shadows(simd, active, false, &mut passed);
+        to.copy_from_slice(&passed[..to.len()]);
+    }
+}
+
+impl<'a, L> Job<'a, L> {
+    /// Nothing but the objects.
+    fn dark(geometry: &'a Wide<'a, Material>) -> Self {
+        Self {
+            geometry,
+            lights: &[],
+            background: Vec3::ZERO,
+            ambient: Vec3::ZERO,
+            depth: 1,
+            threshold: 0.0,
+        }
+    }
+}
+
+/// Groups of neighbouring pixels, as square as they can be.
+#[inline(always)]
+fn band<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
+    simd: S,
+    tree: &Tree<N>,
+    job: &Job<'_, L>,
+    view: &View,
+    rows: Range<u32>,
+    pixels: &mut [Vec3],
+    counters: &mut Counters,
+) where
+    Tree<N>: Vector<S, Lanes = V>,
+{
+    let width = view.width as usize;
+    let mut group = Group::new(*job, tree);
+    for top in rows.clone().step_by(HEIGHT) {
+        let height = HEIGHT.min((rows.end - top) as usize);
+        let mut lines: [_; HEIGHT] =
+            core::array::from_fn(|i| view.rays((top + i as u32).min(rows.end - 1)));
+        let first = (top - rows.start) as usize * width;
+        for left in (0..width).step_by(N / HEIGHT) {
+            let across = (N / HEIGHT).min(width - left);
+            let mut places = [0; N];
+            let mut count = 0;
+            for (i, line) in lines.iter_mut().take(height).enumerate() {
+                for (j, ray) in line.by_ref().take(across).enumerate() {
+                    group.start(count, &ray);
+                    places[count] = first + i * width + left + j;
+                    count += 1;
+                }
+            }
+            group.trace(simd, count, counters);
+            for (lane, &place) in places[..count].iter().enumerate() {
+                pixels[place] = group.radiance.get(lane).map(math::positive);
+            }
+        }
+    }
+}
+
+/// From how many rays on those of later bounces are tried together.
+const TOGETHER: u32 = 4;
+
+/// Rows of pixels in a group.
+pub const HEIGHT: usize = 4;
+
+/// A ray yet to be traced.
+#[derive(Clone, Copy)]
+struct Path {
+    origin: Vec3,
+    direction: Vec3,
+    left: u32,
+    inward: bool,
+    throughput: f32,
+    depth: u32,
+}
+
+/// What the lanes' rays hit, and what it is made of.
+struct Hits<const N: usize> {
+    t: [f32; N],
+    object: [u32; N],
+    point: Rows<N>,
+    normal: Rows<N>,
+    /// A bit a lane: whether its ray came from outside.
+    front: u32,
+    /// The view's direction, mirrored.
+    mirrored: Rows<N>,
+    color: Rows<N>,
+    ambient: [f32; N],
+    diffuse: [f32; N],
+    specular: [f32; N],
+    shininess: [f32; N],
+    reflectance: [f32; N],
+    transmittance: [f32; N],
+    ior: [f32; N],
+}
+
+/// As many pixels as there are lanes.
+struct Group<'a, L, const N: usize> {
+    job: Job<'a, L>,
+    tree: &'a Tree<N>,
+    /// Whether all objects are tested.
+    few: bool,
+    /// Of each lane, what is being traced.
+    beams: Beams<N>,
+    throughput: [f32; N],
+    depth: [u32; N],
+    radiance: Rows<N>,
+    /// Refracted rays, of which each depth leaves at most one.
+    waiting: [Vec<Path>; N],
+    hits: Hits<N>,
+    /// Towards one light.
+    shadows: Beams<N>,
+}
+
+impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
+    fn new(job: Job<'a, L>, tree: &'a Tree<N>) -> Self {
+        Self {
+            job,
+            tree,
+            few: job.geometry.has_few(),
+            beams: Beams::NONE,
+            throughput: [1.0; N],
+            depth: [1; N],
+            radiance: Rows::ZERO,
+            waiting: core::array::from_fn(|_| Vec::new()),
+            hits: Hits {
+                t: [0.0; N],
+                object: [0; N],
+                point: Rows::ZERO,
+                normal: Rows::ZERO,
+                front: 0,
+                mirrored: Rows::ZERO,
+                color: Rows::ZERO,
+                ambient: [0.0; N],
+                diffuse: [0.0; N],
+                specular: [0.0; N],
+                shininess: [0.0; N],
+                reflectance: [0.0; N],
+                transmittance: [0.0; N],
+                ior: [1.0; N],
+            },
+            shadows: Beams::NONE,
+        }
+    }
+
+    /// Puts a ray from the eye into a lane.
+    #[inline(always)]
+    fn start(&mut self, lane: usize, ray: &Ray) {
+        self.beams.origin.set(lane, ray.origin);
+        self.beams.direction.set(lane, ray.direction);
+    }
+
+    /// As `Tracer::radiance`, for the first `count` of the lanes' rays.
+    #[inline(always)]
+    fn trace<S: Simd, V: Lanes<S>>(&mut self, simd: S, count: usize, counters: &mut Counters)
+    where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        counters.primary += count as u64;
+        self.beams.left = [u32::MAX; N];
+        self.beams.inward = 0;
+        self.throughput = [1.0; N];
+        self.depth = [1; N];
+        self.radiance = Rows::ZERO;
+        let mut active = u32::MAX >> (32 - count);
+        let mut first = true;
+        while active != 0 {
+            let hit = self.nearest(simd, active, first);
+            let missed = active & !hit;
+            if missed != 0 {
+                let missed = V::Mask::from_bitmask(simd, missed.into());
+                let throughput = V::from_slice(simd, &self.throughput);
+                let background = Vectors::splat(simd, self.job.background) * throughput;
+                let radiance = self.radiance.load(simd);
+                let sum = mask_of(missed, radiance + background, radiance);
+                self.radiance.store(sum);
+            }
+            let mut going_on = 0;
+            if hit != 0 {
+                counters.hits += u64::from(hit.count_ones());
+                self.surfaces(simd, hit);
+                self.direct(simd, hit, first, counters);
+                going_on = self.children(simd, hit, counters);
+            }
+            for lane in Set(active & !going_on) {
+                if let Some(path) = self.waiting[lane].pop() {
+                    self.follow(lane, &path);
+                    going_on |= 1 << lane;
+                }
+            }
+            active = going_on;
+            first = false;
+        }
+    }
+
+    #[inline(always)]
+    fn follow(&mut self, lane: usize, path: &Path) {
+        self.beams.origin.set(lane, path.origin);
+        self.beams.direction.set(lane, path.direction);
+        self.beams.left[lane] = path.left;
+        self.beams.inward = self.beams.inward & !(1 << lane) | u32::from(path.inward) << lane;
+        self.throughput[lane] = path.throughput;
+        self.depth[lane] = path.depth;
+    }
+
+    /// Casts the lanes' rays; says which hit anything.
+    #[inline(always)]
+    fn nearest<S: Simd, V: Lanes<S>>(&mut self, simd: S, active: u32, together: bool) -> u32
+    where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        let geometry = self.job.geometry;
+        let parts = &geometry.parts;
+        let (origin, direction) = (
+            self.beams.origin.load::<S, V>(simd),
+            self.beams.direction.load(simd),
+        );
+        let regular = across::regular(simd, origin, direction).to_bitmask() as u32;
+        let hits = &mut self.hits;
+        if self.few && active & !regular == 0 {
+            let terms = Terms::new(simd, &self.beams);
+            let ends = V::from_slice(simd, &self.beams.end);
+            let limit = V::Mask::from_bitmask(simd, active.into())
+                .select(ends, V::simd_from(simd, f32::NEG_INFINITY));
+            let (t, object) = across::nearest(simd, parts, &terms, &self.beams, limit);
+            t.store_slice(&mut hits.t);
+            let mut places = [0.0; N];
+            object.store_slice(&mut places);
+            hits.object = places.map(|it| it as u32);
+            return active & t.simd_lt(ends).to_bitmask() as u32;
+        }
+        let mut nearest = self.beams.end.map(Nearest::before);
+        let mut cast = false;
+        if (together || active.count_ones() >= TOGETHER)
+            && active & !regular == 0
+            && active.count_ones() > 1
+        {
+            let mut limits = self.beams.end;
+            for lane in Set(active) {
+                let left = self.beams.left[lane];
+                if geometry.has_apart(left) {
+                    geometry.nearest_apart(&self.beams.ray(lane), 0, left, &mut nearest[lane]);
+                    limits[lane] = nearest[lane].limit();
+                }
+            }
+            let packet = Packet {
+                beams: &self.beams,
+                active,
+            };
+            let mut visit = NearestOfEach(&mut nearest);
+            cast = self.tree.visit_packet(
+                simd,
+                parts,
+                geometry.search,
+                true,
+                &packet,
+                &mut limits,
+                &mut visit,
+            );
+        }
+        let mut hit = 0;
+        for lane in Set(active) {
+            if !cast {
+                let mut ray = self.beams.ray(lane);
+                if let Some(object) = geometry.nearest::<Exact>(&mut ray, 0) {
+                    nearest[lane] = Nearest {
+                        t: ray.t_max,
+                        object: object as u32,
+                    };
+                }
+            }
+            let Nearest { t, object } = nearest[lane];
+            hit |= u32::from(object != u32::MAX) << lane;
+            (hits.t[lane], hits.object[lane]) = (t, object);
+        }
+        hit
+    }
+
+    /// Looks up what was hit.
+    #[inline(always)]
+    fn surfaces<S: Simd, V: Lanes<S>>(&mut self, simd: S, hit: u32)
+    where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        let geometry = self.job.geometry;
+        let parts = &geometry.parts;
+        let hits = &mut self.hits;
+        // Of spheres, the center stands for the normal.
+        let (mut spheres, mut hollow) = (0_u32, 0_u32);
+        for lane in Set(hit) {
+            let object = hits.object[lane] as usize;
+            let material;
+            if let Some(it) = parts.spheres.objects.get(object) {
+                hits.normal.set(lane, it.shape.center);
+                spheres |= 1 << lane;
+                hollow |= u32::from(!(it.shape.radius > 0.0)) << lane;
+                material = it.material;
+            } else {
+                let ray = self.beams.ray(lane);
+                // Every hit is of an object.
+                let Some((normal, of)) = geometry.surface::<Exact>(&ray, hits.t[lane], object, 0)
+                else {
+                    continue;
+                };
+                hits.normal.set(lane, normal);
+                material = of;
+            }
+            hits.color.set(lane, material.color);
+            hits.ambient[lane] = material.ambient;
+            hits.diffuse[lane] = material.diffuse;
+            hits.specular[lane] = material.highlight.specular;
+            hits.shininess[lane] = material.highlight.shininess;
+            hits.reflectance[lane] = material.reflection.reflectance;
+            hits.transmittance[lane] = material.transmission.transmittance;
+            hits.ior[lane] = material.transmission.ior;
+        }
+        let (origin, direction) = (
+            self.beams.origin.load::<S, V>(simd),
+            self.beams.direction.load(simd),
+        );
+        let (zero, one) = (V::simd_from(simd, 0.0), V::simd_from(simd, 1.0));
+        let point = origin + direction * V::from_slice(simd, &hits.t);
+        let mut outward = hits.normal.load(simd);
+        if spheres != 0 {
+            let from_center = point - outward;
+            let unit = from_center * (one / from_center.dot(from_center).sqrt());
+            let hollow = V::Mask::from_bitmask(simd, hollow.into());
+            let unit = mask_of(hollow, -unit, unit);
+            let spheres = V::Mask::from_bitmask(simd, spheres.into());
+            outward = mask_of(spheres, unit, outward);
+        }
+        let front = outward.dot(direction).simd_le(zero);
+        let normal = mask_of(front, outward, -outward);
+        let twice = V::simd_from(simd, 2.0) * direction.dot(normal);
+        hits.point.store(point);
+        hits.normal.store(normal);
+        hits.front = front.to_bitmask() as u32;
+        hits.mirrored.store(direction - normal * twice);
+    }
+
+    /// As the tracer's `direct`, for the lanes that hit something.
+    #[inline(always)]
+    fn direct<S: Simd, V: Lanes<S>>(
+        &mut self,
+        simd: S,
+        hit: u32,
+        together: bool,
+        counters: &mut Counters,
+    ) where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        let job = &self.job;
+        let (zero, one) = (V::simd_from(simd, 0.0), V::simd_from(simd, 1.0));
+        let throughput = V::from_slice(simd, &self.throughput);
+        let color = self.hits.color.load::<S, V>(simd);
+        let share = V::from_slice(simd, &self.hits.ambient) * throughput;
+        let mut light = color * Vectors::splat(simd, job.ambient) * share;
+        for source in job.lights {
+            let hits = &self.hits;
+            let position = Vectors::splat(simd, source.position());
+            let to_light = position - hits.point.load(simd);
+            let height: V = hits.normal.load(simd).dot(to_light);
+            let above = height.simd_gt(zero);
+            if above.to_bitmask() as u32 & hit == 0 {
+                continue;
+            }
+            let distance = to_light.dot(to_light).sqrt();
+            let recip = one / distance;
+            let direction = to_light * recip;
+            let cos = hits.mirrored.load(simd).dot(direction);
+            let weight = Vectors::splat(simd, source.color()) * throughput;
+            let diffuse = V::from_slice(simd, &hits.diffuse);
+            let scattered = color * (diffuse * (height * recip));
+            let specular = V::from_slice(simd, &hits.specular);
+            let peak = cos.simd_gt(zero).select(specular, zero);
+            let most = plus(scattered, peak) * weight;
+            let seen = above & largest(most).simd_gt(V::simd_from(simd, job.threshold));
+            let lit = seen.to_bitmask() as u32 & hit;
+            if lit == 0 {
+                continue;
+            }
+            let mut passed = [1.0; N];
+            if source.casts_shadows() {
+                counters.shadow += u64::from(lit.count_ones());
+                self.shadows.origin = hits.point;
+                self.shadows.direction.store(direction);
+                distance.store_slice(&mut self.shadows.end);
+                self.shadows.left = hits.object;
+                self.shadows.inward = !hits.front;
+                self.cast_shadows(simd, lit, together, &mut passed);
+            }
+            let hits = &self.hits;
+            let passed = V::from_slice(simd, &passed);
+            let lit = V::Mask::from_bitmask(simd, lit.into()) & passed.simd_gt(zero);
+            let mut term = scattered;
+            let shines = lit & cos.simd_gt(zero) & specular.simd_gt(zero);
+            if shines.any_true() {
+                let mut cosines = [0.0; N];
+                // Others are not to be slow.
+                shines.select(cos, zero).store_slice(&mut cosines);
+                let powers = powers(&cosines, &hits.shininess);
+                let brightness = specular * V::from_slice(simd, &powers);
+                term = plus(term, shines.select(brightness, zero));
+            } else {
+                term = plus(term, zero);
+            }
+            light = mask_of(lit, light + term * weight * passed, light);
+        }
+        let hit = V::Mask::from_bitmask(simd, hit.into());
+        let radiance = self.radiance.load(simd);
+        self.radiance
+            .store(mask_of(hit, radiance + light, radiance));
+    }
+
+    /// Which share of a light arrives at the lanes' hit points.
+    #[inline(always)]
+    fn cast_shadows<S: Simd, V: Lanes<S>>(
+        &self,
+        simd: S,
+        lit: u32,
+        together: bool,
+        passed: &mut [f32; N],
+    ) where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        let geometry = self.job.geometry;
+        let parts = &geometry.parts;
+        let beams = &self.shadows;
+        let (origin, direction) = (beams.origin.load::<S, V>(simd), beams.direction.load(simd));
+        let regular = across::regular(simd, origin, direction).to_bitmask() as u32;
+        if self.few && lit & !regular == 0 {
+            let terms = Terms::<V, _>::new(simd, beams);
+            across::transmittance(simd, parts, &terms, beams, lit, passed);
+            return;
+        }
+        let mut light = [Transmittance::default(); N];
+        if (together || lit.count_ones() >= TOGETHER) && lit & !regular == 0 && lit.count_ones() > 1
+        {
+            let (mut limits, mut dark) = (beams.end, 0);
+            for lane in Set(lit) {
+                let left = beams.left[lane];
+                if geometry.has_apart(left)
+                    && geometry.absorbs_apart(&beams.ray(lane), 0, left, &mut light[lane])
+                {
+                    dark |= 1 << lane;
+                    limits[lane] = f32::NEG_INFINITY;
+                }
+            }
+            let mut visit = LightOfEach {
+                beams,
+                light,
+                dark,
+                absorb: |ray: &Ray, object: u32, light: &mut Transmittance| {
+                    parts.absorbs_met::<Exact>(ray, object as usize, 0, light)
+                },
+            };
+            let packet = Packet { beams, active: lit };
+            if self.tree.visit_packet(
+                simd,
+                parts,
+                geometry.search,
+                false,
+                &packet,
+                &mut limits,
+                &mut visit,
+            ) {
+                for lane in Set(lit) {
+                    passed[lane] = if visit.dark >> lane & 1 != 0 {
+                        0.0
+                    } else {
+                        visit.light[lane].product()
+                    };
+                }
+                return;
+            }
+        }
+        for lane in Set(lit) {
+            passed[lane] = geometry.transmittance(&beams.ray(lane));
+        }
+    }
+
+    /// As the tracer's `children`: which lanes go on with one of theirs.
+    #[inline(always)]
+    fn children<S: Simd, V: Lanes<S>>(&mut self, simd: S, hit: u32, counters: &mut Counters) -> u32
+    where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        let threshold = V::simd_from(simd, self.job.threshold);
+        let mut can = hit;
+        for lane in 0..N {
+            let ends = self.depth[lane] as usize >= self.job.depth;
+            can &= !(u32::from(ends) << lane);
+        }
+        if can == 0 {
+            return 0;
+        }
+        let throughput = V::from_slice(simd, &self.throughput);
+        let transmittance = V::from_slice(simd, &self.hits.transmittance);
+        let clear = (throughput * transmittance).simd_gt(threshold);
+        let mut refracted = 0_u32;
+        for lane in Set(clear.to_bitmask() as u32 & can) {
+            let hits = &mut self.hits;
+            let front = hits.front >> lane & 1 != 0;
+            let ior = hits.ior[lane];
+            let eta = if front { 1.0 / ior } else { ior };
+            let direction = self.beams.direction.get(lane);
+            match math::refract::<Exact>(direction, hits.normal.get(lane), eta) {
+                Some(direction) => {
+                    refracted |= 1 << lane;
+                    self.waiting[lane].push(Path {
+                        origin: hits.point.get(lane),
+                        direction,
+                        left: hits.object[lane],
+                        inward: front,
+                        throughput: self.throughput[lane] * hits.transmittance[lane],
+                        depth: self.depth[lane] + 1,
+                    });
+                }
+                // Total internal reflection.
+                None => hits.reflectance[lane] += hits.transmittance[lane],
+            }
+        }
+        counters.refracted += u64::from(refracted.count_ones());
+        let hits = &self.hits;
+        let weight = throughput * V::from_slice(simd, &hits.reflectance);
+        let reflected = weight.simd_gt(threshold).to_bitmask() as u32 & can;
+        counters.reflected += u64::from(reflected.count_ones());
+        if reflected == 0 {
+            return 0;
+        }
+        // All lanes: those that do not go on are not looked at again.
+        let mirrored = hits.mirrored.load::<S, V>(simd);
+        let half = V::simd_from(simd, 0.5) * mirrored.dot(mirrored);
+        let mirrored = mirrored * (V::simd_from(simd, 1.5) - half);
+        self.beams.direction.store(mirrored);
+        self.beams.origin = hits.point;
+        self.beams.left = hits.object;
+        self.beams.inward = !hits.front;
+        weight.store_slice(&mut self.throughput);
+        for depth in &mut self.depth {
+            *depth += 1;
+        }
+        reflected
+    }
+}
+
+/// The same number added to each coordinate.
+#[inline(always)]
+fn plus<S: Simd, V: Lanes<S>>(v: Vectors<V>, x: V) -> Vectors<V> {
+    Vectors {
+        x: v.x + x,
+        y: v.y + x,
+        z: v.z + x,
+    }
+}
+
+/// As core's `max_component`.
+#[inline(always)]
+fn largest<S: Simd, V: Lanes<S>>(v: Vectors<V>) -> V {
+    let xy = v.x.simd_gt(v.y).select(v.x, v.y);
+    xy.simd_gt(v.z).select(xy, v.z)
+}
