@@ -12,6 +12,7 @@ use std::mem::size_of;
 use whitted::hierarchy::{Child, Node};
 use whitted::{Camera, Light, Object, View};
 
+use crate::hierarchy::FLAT;
 use crate::scene::{self, HostScene, Material};
 use kind::{Baked, Kind, Nodes};
 use source::{VECTOR, WORD, number, vector};
@@ -39,7 +40,15 @@ impl Module {
 
 /// Writes a scene as Rust source, with the camera and the size of a view if there is one.
 pub fn bake(scene: &HostScene<'_>, view: Option<&View>) -> Module {
-    let mut baker = Baker::default();
+    bake_with(scene, view, FLAT)
+}
+
+/// [`bake`] with up to `flat` objects of a kind as a plain slice, and a hierarchy over more.
+pub fn bake_with(scene: &HostScene<'_>, view: Option<&View>, flat: usize) -> Module {
+    let mut baker = Baker {
+        flat,
+        ..Baker::default()
+    };
     macro_rules! each_kind {
         ($objects:ident => $use:expr) => {{
             let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, frusta)))))) =
@@ -79,6 +88,8 @@ struct Part {
 /// The module while it is written.
 #[derive(Default)]
 struct Baker {
+    /// Most objects of a kind without a hierarchy.
+    flat: usize,
     terms: Terms,
     /// Of the `whitted` crate.
     imports: BTreeSet<&'static str>,
@@ -160,7 +171,11 @@ impl Baker {
         let bytes = objects.len() * (S::BYTES + WORD) + elsewhere;
         let array = S::ALL.to_uppercase();
         let kind = format!("Object<'static, {}, SceneMaterial>", S::TYPE);
-        match S::hierarchy(objects) {
+        let hierarchy = match objects.len() > self.flat {
+            true => S::hierarchy(objects),
+            false => None,
+        };
+        match hierarchy {
             None => {
                 self.import(&["Objects"]);
                 self.array(&array, &kind, sources.len(), bytes, &sources);

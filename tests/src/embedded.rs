@@ -7,6 +7,7 @@ pub mod copy;
 pub mod cortex_m4;
 pub mod expected;
 pub mod firmware;
+pub mod hierarchy;
 pub mod image;
 pub mod instructions;
 pub mod measure;

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use whitted_tests::embedded::copy::{Body, Copy};
 use whitted_tests::embedded::expected::Expected;
 use whitted_tests::embedded::firmware::{self, Request};
+use whitted_tests::embedded::hierarchy::{self, Saving};
 use whitted_tests::embedded::image::Image;
 use whitted_tests::embedded::measure::{self, Row, Variant};
 use whitted_tests::embedded::target::{CORTEX_M0, CORTEX_M4F, Machine, TARGETS, Target};
@@ -91,7 +92,11 @@ fn draw_all(targets: &[Target], directory: &Path, collections: &Collections) -> 
     let is_standard = programs.contains(&"frames-standard");
     let request = Request {
         programs: &programs,
-        features: &[if is_standard { "standard" } else { "baked" }],
+        features: if is_standard {
+            &["own", "standard"]
+        } else {
+            &["own"]
+        },
         baked: Some(directory),
         ..Request::default()
     };
@@ -284,6 +289,39 @@ fn painted_stacks_are_what_the_code_allows() {
             bound - stack <= bound / 4 + 16,
             "{program} on {target}, {profile}: painted {stack}, bound {bound}"
         );
+    }
+}
+
+#[test]
+fn hierarchies_save_what_the_chart_says() {
+    if !can_run(&CORTEX_M4F) {
+        return;
+    }
+    let compiler = compiler().unwrap();
+    let table = hierarchy::read().unwrap();
+    let savings = hierarchy::measure(&[4, 64], compiler, plugin()).unwrap();
+    for saving in &savings {
+        let known = table
+            .iter()
+            .find(|known| (&known.scene, known.objects) == (&saving.scene, saving.objects));
+        let known = known.unwrap();
+        if known.compiler == compiler {
+            assert_eq!(saving, known, "run tests/embedded.sh table and look at it");
+        } else {
+            say(&format!("NOT COMPARED: {} made {known:?}", known.compiler));
+        }
+        let Saving { flat, tree, .. } = saving;
+        // Few spheres are met sooner than any bound of them; many objects never are.
+        match (saving.scene.as_str(), saving.objects) {
+            ("spheres", 4) => assert!(flat < tree, "{saving:?}"),
+            (_, 64) => assert!(tree * 2.0 < *flat, "{saving:?}"),
+            ("balls-3", _) => assert!(tree * 15.0 < *flat, "{saving:?}"),
+            _ => {}
+        }
+    }
+    match hierarchy::flash_of("balls-4").unwrap() {
+        Some(flash) => assert!(flash <= 512 * 1024, "balls-4 takes {flash} bytes"),
+        None => say("NOT RUN: balls-3 and balls-4, which are not beside the project"),
     }
 }
 

@@ -6,7 +6,7 @@ use whitted::hierarchy::{Aabb, Ball, Node};
 use whitted::{Cuboid, Frustum, Object, Patch, Plane, Polygon, Sphere, Triangle};
 
 use super::source::{VECTOR, WORD, number, vector, vectors};
-use crate::hierarchy::{Bounded, Costs, FLAT, Settings, Tree};
+use crate::hierarchy::{Bounded, Costs, Settings, Tree};
 use crate::scene::Material;
 
 /// A kind of shape, as it is named in the source.
@@ -28,7 +28,7 @@ pub trait Kind {
         0
     }
 
-    /// A hierarchy of such shapes, where that pays.
+    /// A hierarchy of such shapes, where there can be one.
     fn hierarchy(_: &[Object<'_, Self, Material>]) -> Option<Baked>
     where
         Self: Sized,
@@ -49,11 +49,8 @@ pub enum Nodes {
 }
 
 /// The hierarchy over some objects that is expected to take the least instructions of a Cortex-M4F, of
-/// which one object takes `object`; `None` where the plain slice takes fewer.
+/// which one object takes `object`; `None` where they are too many for one.
 fn hierarchy<S: Bounded>(objects: &[Object<'_, S, Material>], object: f32) -> Option<Baked> {
-    if objects.len() <= FLAT {
-        return None;
-    }
     let bounds: Vec<_> = objects.iter().map(|it| it.shape.bounds()).collect();
     let least_depth = objects.len().next_power_of_two().ilog2() as usize;
     let tree = |costs| {

@@ -26,6 +26,7 @@ macro_rules! baked {
 }
 
 /// Our own.
+#[cfg(feature = "own")]
 pub mod own {
     use super::*;
 
@@ -51,5 +52,15 @@ pub mod standard {
         rings_1 = "rings-1";
         teapot_2 = "teapot-2";
         tree_4 = "tree-4";
+    }
+}
+
+/// Whatever is to be counted.
+#[cfg(feature = "counted")]
+pub mod counted {
+    use super::*;
+
+    baked! {
+        scene = "counted";
     }
 }

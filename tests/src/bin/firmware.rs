@@ -2,7 +2,8 @@
 //!
 //! `firmware table` rewrites the table under `tests/charts`; `firmware show TARGET [RUSTFLAG..]` tells
 //! what every program takes there; `firmware peer TARGET [RUSTFLAG..]` compares with plain C;
-//! `firmware annotate PROGRAM` shows where its cycles go.
+//! `firmware hierarchy` rewrites only what is told of
+//! hierarchies; `firmware annotate PROGRAM` shows where its cycles go.
 
 use std::env;
 use std::path::PathBuf;
@@ -14,18 +15,26 @@ use whitted_tests::embedded::image::Image;
 use whitted_tests::embedded::instructions::Decoder;
 use whitted_tests::embedded::measure::{self, PEERS, Row, Variant, in_c};
 use whitted_tests::embedded::target::{CORTEX_M4F, Target};
-use whitted_tests::embedded::{chart, cortex_m4, firmware, run};
+use whitted_tests::embedded::{chart, cortex_m4, firmware, hierarchy, run};
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["table"] => chart::write(&measure::table(&compiler()?, &plugin()?)?),
+        ["table"] => {
+            let (compiler, plugin) = (compiler()?, plugin()?);
+            chart::write(&measure::table(&compiler, &plugin)?)?;
+            hierarchy::write(&hierarchy::measure(&hierarchy::COUNTS, &compiler, &plugin)?)
+        }
+        ["hierarchy"] => {
+            let savings = hierarchy::measure(&hierarchy::COUNTS, &compiler()?, &plugin()?)?;
+            hierarchy::write(&savings)
+        }
         ["show", target, ref rustflags @ ..] => show(target, rustflags),
         ["peer", target, ref rustflags @ ..] => peer(target, rustflags),
         ["annotate", program] => annotate(program),
         _ => bail!(
-            "usage: firmware table | show TARGET [RUSTFLAG..] | peer TARGET [RUSTFLAG..] | annotate \
-             PROGRAM"
+            "usage: firmware table | hierarchy | show TARGET [RUSTFLAG..] | peer TARGET [RUSTFLAG..] | \
+             annotate PROGRAM"
         ),
     }
 }

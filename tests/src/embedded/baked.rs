@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use glam::Vec3;
-use whitted_cli::bake::bake;
+use whitted_cli::bake::bake_with;
+use whitted_cli::hierarchy::FLAT;
 use whitted_cli::render::{Settings, render};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::{self, SceneFile};
@@ -86,6 +87,19 @@ pub const STANDARD: [&str; 6] = [
 ///
 /// Where a scene cannot be built or a file not be written.
 pub fn write(scenes: &Scenes, directory: &Path) -> Result<Vec<(String, Expected)>> {
+    write_with(scenes, directory, FLAT)
+}
+
+/// [`write`] with a hierarchy over more than `flat` objects of a kind.
+///
+/// # Errors
+///
+/// As [`write`].
+pub fn write_with(
+    scenes: &Scenes,
+    directory: &Path,
+    flat: usize,
+) -> Result<Vec<(String, Expected)>> {
     fs::create_dir_all(directory)?;
     let all = scenes.iter().map(|(name, file, [width, height])| {
         let pool = Pool::new(file);
@@ -93,11 +107,7 @@ pub fn write(scenes: &Scenes, directory: &Path) -> Result<Vec<(String, Expected)
         let view = scene.camera(*width, *height)?;
         let view = view.with_context(|| format!("{name} has no camera"))?;
         let path: PathBuf = directory.join(format!("{name}.rs"));
-        let text = bake(&scene, Some(&view)).text;
-        // Only what changed is built again.
-        if !fs::read_to_string(&path).is_ok_and(|known| known == text) {
-            fs::write(&path, text)?;
-        }
+        write_changed(&path, &bake_with(&scene, Some(&view), flat).text)?;
         let settings = Settings {
             depth: file.depth,
             threshold: 0.0,
@@ -111,6 +121,18 @@ pub fn write(scenes: &Scenes, directory: &Path) -> Result<Vec<(String, Expected)
         Ok((name.clone(), Expected::of_pixels(&pixels, counters)))
     });
     all.collect()
+}
+
+/// Writes a file where it is not there or another, so that only what changed is built again.
+///
+/// # Errors
+///
+/// Where it cannot be written.
+pub fn write_changed(path: &Path, text: &str) -> Result<()> {
+    if !fs::read_to_string(path).is_ok_and(|known| known == text) {
+        fs::write(path, text)?;
+    }
+    Ok(())
 }
 
 const CAMERA: &str = "[camera]\neye = [2, 2.5, 6]\ntarget = [0, 0.75, 0]\nfov = 40\n\

@@ -166,7 +166,7 @@ pub fn names() -> Result<Vec<String>> {
             names.extend(path.file_stem().and_then(OsStr::to_str).map(str::to_owned));
         }
     }
-    names.retain(|name| !name.starts_with("frames"));
+    names.retain(|name| !name.starts_with("frame"));
     names.sort();
     Ok(names)
 }
