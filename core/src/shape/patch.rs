@@ -2,10 +2,10 @@
 
 use core::fmt;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::Shape;
-use super::polygon::{PolygonError, Shear, newell};
+use super::polygon::{AlongX, AlongY, AlongZ, Axis, PolygonError, Sheared, newell};
 use super::triangle;
 use crate::math::{self, Math};
 use crate::ray::{Ray, Side};
@@ -70,26 +70,41 @@ impl Patch {
     }
 }
 
+/// Where the vertices are seen.
+#[inline(always)]
+fn corners<const X: usize, const Y: usize, const DEPTH: usize>(
+    sheared: Sheared<'_, X, Y, DEPTH>,
+    vertices: &[Vec3; 3],
+) -> [Vec2; 3] {
+    vertices
+        .each_ref()
+        .map(|vertex| Vec2::new(sheared.x(vertex), sheared.y(vertex)))
+}
+
 impl Shape for Patch {
-    type Setup = Shear;
+    type Setup = Axis;
 
     #[inline]
-    fn setup(ray: &Ray) -> Shear {
-        Shear::new(ray)
+    fn setup(ray: &Ray) -> Axis {
+        Axis::along(ray)
     }
 
     #[inline]
-    fn intersect<P: Math>(&self, ray: &Ray, shear: &Shear, leaving: Option<Side>) -> Option<f32> {
+    fn intersect<P: Math>(&self, ray: &Ray, &axis: &Axis, leaving: Option<Side>) -> Option<f32> {
         if leaving.is_some() {
             return None;
         }
-        triangle::intersect(ray, shear, &self.vertices, self.normal)
+        triangle::intersect(ray, axis, &self.vertices, self.normal)
     }
 
     #[inline]
     fn normal<P: Math>(&self, ray: &Ray, _: f32) -> Vec3 {
-        let shear = Shear::new(ray);
-        let [a, b, c] = self.vertices.map(|vertex| shear.apply(vertex));
+        let corners = match Axis::along(ray) {
+            Axis::X => corners(AlongX::new(ray), &self.vertices),
+            Axis::Y => corners(AlongY::new(ray), &self.vertices),
+            Axis::Z => corners(AlongZ::new(ray), &self.vertices),
+        };
+        let [a, b, c] = corners;
         // Twice the areas opposite the vertices, all of one sign within the outline.
         let weights = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
         let sum = weights[0] + weights[1] + weights[2];

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::{Shape, plane};
 use crate::math::{self, Math};
@@ -121,164 +121,186 @@ fn square(v: [f64; 3]) -> f64 {
     v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
 }
 
-/// A shear that turns a ray into the direction of an axis, so that outlines can be judged in 2-D.
-///
-/// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Rows with a
-/// zero take the place of the paper's permutation of axes, which rounds nothing; and all is scaled by
-/// the direction along the axis, which decides nothing and takes no division.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shear {
-    origin: Vec3,
-    x: Vec3,
-    y: Vec3,
-    /// Unit vector along the axis to which the ray is closest.
-    depth: Vec3,
+/// An axis of the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// The first.
+    X,
+    /// The second.
+    Y,
+    /// The third.
+    Z,
 }
 
-impl Shear {
-    /// Not inlined: once a ray, and in flash only once for all kinds of outlines.
-    #[inline(never)]
-    pub(super) fn new(ray: &Ray) -> Self {
-        let d = ray.direction;
-        let size = d.abs();
-        let (x, y, depth) = if size.x > size.y && size.x > size.z {
-            (
-                Vec3::new(-d.y, d.x, 0.0),
-                Vec3::new(-d.z, 0.0, d.x),
-                Vec3::X,
-            )
+impl Axis {
+    /// That to which the ray is closest.
+    #[inline(always)]
+    pub(super) fn along(ray: &Ray) -> Self {
+        let size = ray.direction.abs();
+        if size.x > size.y && size.x > size.z {
+            Self::X
         } else if size.y > size.z {
-            (
-                Vec3::new(d.y, -d.x, 0.0),
-                Vec3::new(0.0, -d.z, d.y),
-                Vec3::Y,
-            )
+            Self::Y
         } else {
-            (
-                Vec3::new(d.z, 0.0, -d.x),
-                Vec3::new(0.0, d.z, -d.y),
-                Vec3::Z,
-            )
-        };
-        Self {
-            origin: ray.origin,
-            x,
-            y,
-            depth,
+            Self::Z
         }
+    }
+
+    #[inline(always)]
+    fn of(self, v: &Vec3) -> f32 {
+        let v: &[f32; 3] = v.as_ref();
+        v[self as usize]
+    }
+}
+
+/// Outlines seen along a ray, as if the ray were the axis `DEPTH`; they are judged in the other two.
+///
+/// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013; but all is
+/// scaled by the direction along the axis, which decides nothing and takes no division. Code for each
+/// axis takes the place of the paper's permutation.
+#[derive(Clone, Copy)]
+pub(super) struct Sheared<'a, const X: usize, const Y: usize, const DEPTH: usize>(&'a Ray);
+
+pub(super) type AlongX<'a> = Sheared<'a, 1, 2, 0>;
+pub(super) type AlongY<'a> = Sheared<'a, 0, 2, 1>;
+pub(super) type AlongZ<'a> = Sheared<'a, 0, 1, 2>;
+
+impl<'a, const X: usize, const Y: usize, const DEPTH: usize> Sheared<'a, X, Y, DEPTH> {
+    #[inline(always)]
+    pub(super) fn new(ray: &'a Ray) -> Self {
+        Self(ray)
     }
 
     /// Where a line through `vertex` along the ray meets the plane that holds the origin across the axis:
     /// one function of the vertex alone, whichever outline it belongs to.
     #[inline(always)]
-    pub(super) fn apply(&self, vertex: Vec3) -> Vec2 {
-        let v = vertex - self.origin;
-        Vec2::new(v.dot(self.x), v.dot(self.y))
+    fn shear<const AXIS: usize>(self, vertex: &Vec3) -> f32 {
+        let offset = (*vertex - self.0.origin).to_array();
+        let direction = self.0.direction.to_array();
+        offset[AXIS] * direction[DEPTH] - offset[DEPTH] * direction[AXIS]
+    }
+
+    #[inline(always)]
+    pub(super) fn x(self, vertex: &Vec3) -> f32 {
+        self.shear::<X>(vertex)
+    }
+
+    #[inline(always)]
+    pub(super) fn y(self, vertex: &Vec3) -> f32 {
+        self.shear::<Y>(vertex)
     }
 
     /// Whether the ray's line passes within an outline: an odd number of its edges cross the positive x
     /// half-axis.
-    #[inline(never)]
-    fn meets(&self, vertices: &[Vec3]) -> bool {
-        let Some(&last) = vertices.last() else {
+    #[inline(always)]
+    fn meets(self, vertices: &[Vec3]) -> bool {
+        let Some(last) = vertices.last() else {
             return false;
         };
-        let mut previous = self.apply(last);
+        let mut a = (last, self.y(last));
         let mut inside = false;
-        for &vertex in vertices {
+        for vertex in vertices {
             math::keep_rolled();
-            let current = self.apply(vertex);
-            inside ^= crosses(previous, current);
-            previous = current;
+            let b = (vertex, self.y(vertex));
+            if differ(a.1, b.1) {
+                inside ^= crosses((self.x(a.0), a.1), (self.x(b.0), b.1));
+            }
+            a = b;
         }
         inside
     }
+}
 
-    /// Distance to an outline, where the ray admits it and `meets` says that the ray's line passes within:
-    /// that of its plane, but no farther and no nearer than its vertices.
-    ///
-    /// Seen edge-on, the plane's equation says little about the distance, and the point could lie far
-    /// outside the outline. The axis to which the ray is closest always tells it well; so what is met
-    /// lies within the box round the vertices, and hierarchies of boxes lose nothing. Otherwise the plane
-    /// alone turns most rays away, before any edge is looked at.
-    #[inline(always)]
-    pub(super) fn distance(
-        &self,
-        ray: &Ray,
-        vertices: &[Vec3],
-        normal: Vec3,
-        meets: impl Fn() -> bool,
-    ) -> Option<f32> {
-        const EDGE_ON: f32 = 0.125;
-        let (height, rate) = plane::approach(ray, *vertices.first()?, normal);
-        if rate < EDGE_ON && rate > -EDGE_ON {
-            if meets() {
-                ray.admitted(self.clamp(ray, vertices, height / rate))
-            } else {
-                None
-            }
-        } else {
-            plane::distance(ray, (height, rate)).filter(|_| meets())
+/// Distance to the plane of an outline within which the ray's line passes, where the ray admits it; but
+/// no farther and no nearer than the outline's vertices.
+///
+/// Seen edge-on, the plane's equation says little about the distance, and the point could lie far
+/// outside the outline. The axis to which the ray is closest always tells it well; so what is met
+/// lies within the box round the vertices, and hierarchies of boxes lose nothing.
+#[inline(always)]
+pub(super) fn distance(ray: &Ray, axis: Axis, vertices: &[Vec3], normal: Vec3) -> Option<f32> {
+    const EDGE_ON: f32 = 0.125;
+    let (height, rate) = plane::approach(ray, *vertices.first()?, normal);
+    let t = height / rate;
+    ray.admitted(if rate < EDGE_ON && rate > -EDGE_ON {
+        clamp(ray, axis, vertices, t)
+    } else {
+        t
+    })
+}
+
+/// `t`, between the distances at which the ray is as deep as its nearest and farthest vertex.
+#[cold]
+#[inline(never)]
+fn clamp(ray: &Ray, axis: Axis, vertices: &[Vec3], t: f32) -> f32 {
+    let speed = axis.of(&ray.direction);
+    let mut nearest = f32::INFINITY;
+    let mut farthest = f32::NEG_INFINITY;
+    for vertex in vertices {
+        math::keep_rolled();
+        let distance = (axis.of(vertex) - axis.of(&ray.origin)) / speed;
+        if distance < nearest {
+            nearest = distance;
+        }
+        if distance > farthest {
+            farthest = distance;
         }
     }
-
-    /// `t`, between the distances at which the ray is as deep as its nearest and farthest vertex.
-    #[inline(never)]
-    fn clamp(&self, ray: &Ray, vertices: &[Vec3], t: f32) -> f32 {
-        let speed = ray.direction.dot(self.depth);
-        let mut nearest = f32::INFINITY;
-        let mut farthest = f32::NEG_INFINITY;
-        for &vertex in vertices {
-            let distance = (vertex - self.origin).dot(self.depth) / speed;
-            if distance < nearest {
-                nearest = distance;
-            }
-            if distance > farthest {
-                farthest = distance;
-            }
-        }
-        // NaN, from a ray in the plane itself, stays NaN.
-        if t < nearest {
-            nearest
-        } else if t > farthest {
-            farthest
-        } else {
-            t
-        }
+    // NaN, from a ray in the plane itself, stays NaN.
+    if t < nearest {
+        nearest
+    } else if t > farthest {
+        farthest
+    } else {
+        t
     }
 }
 
-/// Whether the edge between two sheared vertices crosses the positive x half-axis.
-///
-/// Both owners of an edge decide alike, since it is always looked at from its lower end; a vertex on
-/// the axis counts as above it. So parities over the faces of a closed mesh add up, whatever the
-/// rounding: no ray passes between faces, and none meets both owners of an edge.
+/// Whether two vertices lie on different sides of the x axis, by the signs of their y: zeros have one too,
+/// and always the same for the same vertex.
 #[inline(always)]
-pub(super) fn crosses(a: Vec2, b: Vec2) -> bool {
-    let a_is_above = a.y >= 0.0;
-    if a_is_above == (b.y >= 0.0) {
-        return false;
+pub(super) fn differ(a_y: f32, b_y: f32) -> bool {
+    ((a_y.to_bits() ^ b_y.to_bits()) as i32) < 0
+}
+
+/// Whether an edge crosses the positive x half-axis; its ends [differ] in their side of that axis.
+///
+/// Both owners of an edge decide alike, since it is always looked at from its lower end. So parities
+/// over the faces of a closed mesh add up, whatever the rounding: no ray passes between faces, and
+/// none meets both owners of an edge.
+#[inline(always)]
+pub(super) fn crosses((a_x, a_y): (f32, f32), (b_x, b_y): (f32, f32)) -> bool {
+    let (from_a, from_b) = (a_x * b_y, b_x * a_y);
+    if a_y.is_sign_negative() {
+        from_a > from_b
+    } else {
+        from_b > from_a
     }
-    let (low, high) = if a_is_above { (b, a) } else { (a, b) };
-    low.x * high.y > high.x * low.y
 }
 
 impl Shape for Polygon<'_> {
-    type Setup = Shear;
+    type Setup = Axis;
 
-    #[inline]
-    fn setup(ray: &Ray) -> Shear {
-        Shear::new(ray)
+    #[inline(always)]
+    fn setup(ray: &Ray) -> Axis {
+        Axis::along(ray)
     }
 
-    #[inline]
-    fn intersect<P: Math>(&self, ray: &Ray, shear: &Shear, leaving: Option<Side>) -> Option<f32> {
+    #[inline(never)]
+    fn intersect<P: Math>(&self, ray: &Ray, &axis: &Axis, leaving: Option<Side>) -> Option<f32> {
         if leaving.is_some() {
             return None;
         }
-        shear.distance(ray, self.vertices, self.normal, || {
-            shear.meets(self.vertices)
-        })
+        let meets = match axis {
+            Axis::X => AlongX::new(ray).meets(self.vertices),
+            Axis::Y => AlongY::new(ray).meets(self.vertices),
+            Axis::Z => AlongZ::new(ray).meets(self.vertices),
+        };
+        if meets {
+            distance(ray, axis, self.vertices, self.normal)
+        } else {
+            None
+        }
     }
 
     #[inline(always)]

@@ -3,7 +3,9 @@
 use glam::Vec3;
 
 use super::Shape;
-use super::polygon::{PolygonError, Shear, crosses, newell};
+use super::polygon::{
+    AlongX, AlongY, AlongZ, Axis, PolygonError, Sheared, crosses, differ, distance, newell,
+};
 use crate::math::Math;
 use crate::ray::{Ray, Side};
 
@@ -32,32 +34,51 @@ impl Triangle {
 
 /// Distance to the plane of a triangle where the ray passes within its outline.
 #[inline(never)]
-pub(super) fn intersect(
-    ray: &Ray,
-    shear: &Shear,
-    vertices: &[Vec3; 3],
-    normal: Vec3,
-) -> Option<f32> {
-    shear.distance(ray, vertices, normal, || {
-        let [a, b, c] = vertices.map(|vertex| shear.apply(vertex));
-        crosses(a, b) ^ crosses(b, c) ^ crosses(c, a)
-    })
+pub(super) fn intersect(ray: &Ray, axis: Axis, vertices: &[Vec3; 3], normal: Vec3) -> Option<f32> {
+    let meets = match axis {
+        Axis::X => meets(AlongX::new(ray), vertices),
+        Axis::Y => meets(AlongY::new(ray), vertices),
+        Axis::Z => meets(AlongZ::new(ray), vertices),
+    };
+    if meets {
+        distance(ray, axis, vertices, normal)
+    } else {
+        None
+    }
+}
+
+/// As for an outline of any length: where not all corners lie on one side of the x axis, the edges that
+/// cross it are those of the corner that is alone on its side.
+#[inline(always)]
+fn meets<const X: usize, const Y: usize, const DEPTH: usize>(
+    sheared: Sheared<'_, X, Y, DEPTH>,
+    [a, b, c]: &[Vec3; 3],
+) -> bool {
+    let (a, b, c) = ((a, sheared.y(a)), (b, sheared.y(b)), (c, sheared.y(c)));
+    let (alone, first, second) = match (differ(a.1, b.1), differ(b.1, c.1)) {
+        (false, false) => return false,
+        (false, true) => (c, a, b),
+        (true, false) => (a, b, c),
+        (true, true) => (b, c, a),
+    };
+    let alone = (sheared.x(alone.0), alone.1);
+    crosses(alone, (sheared.x(first.0), first.1)) != crosses(alone, (sheared.x(second.0), second.1))
 }
 
 impl Shape for Triangle {
-    type Setup = Shear;
+    type Setup = Axis;
 
-    #[inline]
-    fn setup(ray: &Ray) -> Shear {
-        Shear::new(ray)
+    #[inline(always)]
+    fn setup(ray: &Ray) -> Axis {
+        Axis::along(ray)
     }
 
     #[inline]
-    fn intersect<P: Math>(&self, ray: &Ray, shear: &Shear, leaving: Option<Side>) -> Option<f32> {
+    fn intersect<P: Math>(&self, ray: &Ray, &axis: &Axis, leaving: Option<Side>) -> Option<f32> {
         if leaving.is_some() {
             return None;
         }
-        intersect(ray, shear, &self.vertices, self.normal)
+        intersect(ray, axis, &self.vertices, self.normal)
     }
 
     #[inline(always)]
