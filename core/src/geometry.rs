@@ -144,9 +144,9 @@ fn departure<T>(objects: &[T], ray: &Ray, first: usize) -> (*const T, Side) {
     match ray.departure {
         Some(Departure { object, side }) => {
             let place = object.wrapping_sub(first);
-            (objects.as_ptr().wrapping_add(place), side)
+            (math::forget(objects.as_ptr().wrapping_add(place)), side)
         }
-        None => (core::ptr::null(), Side::Outside),
+        None => (math::forget(core::ptr::null()), Side::Outside),
     }
 }
 

@@ -228,9 +228,10 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
             // No shadow ray for what cannot be seen, and no power for what lies in shadow.
             let cos = mirrored.dot(direction);
             let weight = source.color() * throughput;
-            let scattered = material.color() * (material.diffuse() * (height * recip));
-            let most = scattered + Vec3::splat(material.highlight().peak(cos));
-            if !(math::max_component(most * weight) > self.threshold) {
+            let diffuse = material.diffuse() * (height * recip);
+            // No channel of a color is above 1, nor any of a light's above their sum.
+            let most = (diffuse + material.highlight().peak(cos)) * weight.element_sum();
+            if !(most > self.threshold) {
                 continue;
             }
             let mut passed = 1.0;
@@ -247,7 +248,7 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                     continue;
                 }
             }
-            let mut term = scattered;
+            let mut term = material.color() * diffuse;
             if <G::Material as Finish>::Highlight::SHINES {
                 term += Vec3::splat(material.highlight().brightness::<P>(cos));
             }

@@ -187,7 +187,8 @@ impl<'a, const X: usize, const Y: usize, const DEPTH: usize> Sheared<'a, X, Y, D
 
     #[inline(always)]
     pub(super) fn y(self, vertex: &Vec3) -> f32 {
-        self.shear::<Y>(vertex)
+        // Never -0: vertices on the x axis lie on one side of it.
+        self.shear::<Y>(vertex) + 0.0
     }
 
     /// Whether the ray's line passes within an outline: an odd number of its edges cross the positive x
@@ -256,8 +257,8 @@ fn clamp(ray: &Ray, axis: Axis, vertices: &[Vec3], t: f32) -> f32 {
     }
 }
 
-/// Whether two vertices lie on different sides of the x axis, by the signs of their y: zeros have one too,
-/// and always the same for the same vertex.
+/// Whether two vertices lie on different sides of the x axis, by the signs of their y. NaN has any; no
+/// edge with one crosses anything.
 #[inline(always)]
 pub(super) fn differ(a_y: f32, b_y: f32) -> bool {
     ((a_y.to_bits() ^ b_y.to_bits()) as i32) < 0

@@ -94,6 +94,19 @@ mod tests {
     use crate::shape::polygon::Polygon;
 
     #[test]
+    fn an_edge_along_the_scan_line_is_on_one_side_of_it_whatever_the_signs_of_zero() {
+        let ray = Ray::new(Vec3::ZERO, Vec3::new(0.0, -0.0, -1.0));
+        for zero in [0.0, -0.0] {
+            let beside = [(3.0, 0.0), (5.0, 1.0), (7.0, zero)].map(|(x, y)| Vec3::new(x, y, -5.0));
+            let triangle = Triangle::new(beside).unwrap();
+            let axis = Triangle::setup(&ray);
+            assert_eq!(triangle.intersect::<Exact>(&ray, &axis, None), None);
+            let polygon = Polygon::new(&beside).unwrap();
+            assert_eq!(polygon.intersect::<Exact>(&ray, &axis, None), None);
+        }
+    }
+
+    #[test]
     fn a_triangle_is_the_polygon_of_its_vertices() {
         let vertices = [
             Vec3::new(0.1, 0.2, -3.0),
