@@ -291,7 +291,8 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
         if M::Transmission::TRANSMITS {
             let glass = hit.material.transmission();
             let transmittance = glass.transmittance();
-            if throughput * transmittance > self.threshold {
+            // Also where refracted light would weigh too little: all of it may be mirrored.
+            if transmittance > 0.0 {
                 let eta = if hit.front {
                     1.0 / glass.ior()
                 } else {
@@ -458,6 +459,43 @@ mod tests {
         assert_eq!(
             (tracer.counters.reflected, tracer.counters.refracted),
             (5, 0)
+        );
+    }
+
+    #[test]
+    fn the_threshold_weighs_what_total_internal_reflection_mirrors_as_a_whole() {
+        let clear = Material {
+            color: Vec3::ONE,
+            ambient: 0.0,
+            diffuse: 0.0,
+            highlight: (),
+            reflection: Mirror { reflectance: 0.25 },
+            transmission: Glass {
+                transmittance: 0.25,
+                ior: 1.5,
+            },
+        };
+        let lens = [Object {
+            shape: Sphere {
+                center: Vec3::ZERO,
+                radius: 1.0,
+            },
+            material: &clear,
+        }];
+        let scene = Scene {
+            geometry: lens.as_slice(),
+            lights: &[] as &[Light],
+            background: Vec3::ONE,
+            ambient: Vec3::ZERO,
+        };
+        let trapped = Ray::new(Vec3::new(0.9, 0.0, 0.0), Vec3::Y);
+        let mut tracer = Tracer::<6, Exact, _>::with(Counters::default());
+        // Each share is below, both together are not, once.
+        tracer.threshold = 0.375;
+        tracer.radiance(&scene, trapped);
+        assert_eq!(
+            (tracer.counters.reflected, tracer.counters.refracted),
+            (1, 0)
         );
     }
 
