@@ -66,10 +66,10 @@ pub(super) fn approach(ray: &Ray, point: Vec3, normal: Vec3) -> (f32, f32) {
 #[inline(always)]
 pub(super) fn distance(ray: &Ray, (height, rate): (f32, f32)) -> Option<f32> {
     // Quotients of two signs are not positive: no need to divide.
-    if (height > 0.0) == (rate > 0.0) {
-        ray.admitted(height / rate)
-    } else {
+    if ((height.to_bits() ^ rate.to_bits()) as i32) < 0 {
         None
+    } else {
+        ray.admitted(height / rate)
     }
 }
 
