@@ -5,7 +5,7 @@ use core::fmt;
 use glam::{Vec2, Vec3};
 
 use super::Shape;
-use super::polygon::{AlongX, AlongY, AlongZ, Axis, PolygonError, Sheared, newell};
+use super::polygon::{Axis, PolygonError, newell, x, y};
 use super::triangle;
 use crate::math::{self, Math};
 use crate::ray::{Ray, Side};
@@ -70,15 +70,12 @@ impl Patch {
     }
 }
 
-/// Where the vertices are seen.
+/// Where the vertices are as seen along the ray, to its scale.
 #[inline(always)]
-fn corners<const X: usize, const Y: usize, const DEPTH: usize>(
-    sheared: Sheared<'_, X, Y, DEPTH>,
-    vertices: &[Vec3; 3],
-) -> [Vec2; 3] {
+fn seen(ray: &Ray, depth: Axis, vertices: &[Vec3; 3]) -> [Vec2; 3] {
     vertices
         .each_ref()
-        .map(|vertex| Vec2::new(sheared.x(vertex), sheared.y(vertex)))
+        .map(|vertex| Vec2::new(x(ray, depth, vertex), y(ray, depth, vertex)))
 }
 
 impl Shape for Patch {
@@ -99,12 +96,12 @@ impl Shape for Patch {
 
     #[inline]
     fn normal<P: Math>(&self, ray: &Ray, _: f32) -> Vec3 {
-        let corners = match Axis::along(ray) {
-            Axis::X => corners(AlongX::new(ray), &self.vertices),
-            Axis::Y => corners(AlongY::new(ray), &self.vertices),
-            Axis::Z => corners(AlongZ::new(ray), &self.vertices),
+        let vertices = &self.vertices;
+        let [a, b, c] = match Axis::along(ray) {
+            Axis::X => seen(ray, Axis::X, vertices),
+            Axis::Y => seen(ray, Axis::Y, vertices),
+            Axis::Z => seen(ray, Axis::Z, vertices),
         };
-        let [a, b, c] = corners;
         // Twice the areas opposite the vertices, all of one sign within the outline.
         let weights = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
         let sum = weights[0] + weights[1] + weights[2];

@@ -153,63 +153,61 @@ impl Axis {
     }
 }
 
-/// Outlines seen along a ray, as if the ray were the axis `DEPTH`; they are judged in the other two.
+/// How far the line through `vertex` along the ray is off the ray along an axis: one function of the
+/// vertex alone, whichever outline it belongs to. `depth` is the axis to which the ray is closest.
 ///
 /// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013; but all is
-/// scaled by the direction along the axis, which decides nothing and takes no division. Code for each
-/// axis takes the place of the paper's permutation.
-#[derive(Clone, Copy)]
-pub(super) struct Sheared<'a, const X: usize, const Y: usize, const DEPTH: usize>(&'a Ray);
+/// scaled by the direction along `depth`, which decides nothing and takes no division. Where speed
+/// counts, code for each axis takes the place of the paper's permutation: callers name a constant.
+#[inline(always)]
+fn shear(ray: &Ray, across: Axis, depth: Axis, vertex: &Vec3) -> f32 {
+    let (origin, direction) = (&ray.origin, &ray.direction);
+    let offset = (
+        across.of(vertex) - across.of(origin),
+        depth.of(vertex) - depth.of(origin),
+    );
+    offset.0 * depth.of(direction) - offset.1 * across.of(direction)
+}
 
-pub(super) type AlongX<'a> = Sheared<'a, 1, 2, 0>;
-pub(super) type AlongY<'a> = Sheared<'a, 0, 2, 1>;
-pub(super) type AlongZ<'a> = Sheared<'a, 0, 1, 2>;
+/// [`shear`] along the first of the other axes.
+#[inline(always)]
+pub(super) fn x(ray: &Ray, depth: Axis, vertex: &Vec3) -> f32 {
+    let across = match depth {
+        Axis::X => Axis::Y,
+        Axis::Y | Axis::Z => Axis::X,
+    };
+    shear(ray, across, depth, vertex)
+}
 
-impl<'a, const X: usize, const Y: usize, const DEPTH: usize> Sheared<'a, X, Y, DEPTH> {
-    #[inline(always)]
-    pub(super) fn new(ray: &'a Ray) -> Self {
-        Self(ray)
-    }
+/// [`shear`] along the second of the other axes.
+#[inline(always)]
+pub(super) fn y(ray: &Ray, depth: Axis, vertex: &Vec3) -> f32 {
+    let across = match depth {
+        Axis::X | Axis::Y => Axis::Z,
+        Axis::Z => Axis::Y,
+    };
+    // Never -0: vertices on the x axis lie on one side of it.
+    shear(ray, across, depth, vertex) + 0.0
+}
 
-    /// Where a line through `vertex` along the ray meets the plane that holds the origin across the axis:
-    /// one function of the vertex alone, whichever outline it belongs to.
-    #[inline(always)]
-    fn shear<const AXIS: usize>(self, vertex: &Vec3) -> f32 {
-        let offset = (*vertex - self.0.origin).to_array();
-        let direction = self.0.direction.to_array();
-        offset[AXIS] * direction[DEPTH] - offset[DEPTH] * direction[AXIS]
-    }
-
-    #[inline(always)]
-    pub(super) fn x(self, vertex: &Vec3) -> f32 {
-        self.shear::<X>(vertex)
-    }
-
-    #[inline(always)]
-    pub(super) fn y(self, vertex: &Vec3) -> f32 {
-        // Never -0: vertices on the x axis lie on one side of it.
-        self.shear::<Y>(vertex) + 0.0
-    }
-
-    /// Whether the ray's line passes within an outline: an odd number of its edges cross the positive x
-    /// half-axis.
-    #[inline(always)]
-    fn meets(self, vertices: &[Vec3]) -> bool {
-        let Some(last) = vertices.last() else {
-            return false;
-        };
-        let mut a = (last, self.y(last));
-        let mut inside = false;
-        for vertex in vertices {
-            math::keep_rolled();
-            let b = (vertex, self.y(vertex));
-            if differ(a.1, b.1) {
-                inside ^= crosses((self.x(a.0), a.1), (self.x(b.0), b.1));
-            }
-            a = b;
+/// Whether the ray's line passes within an outline: an odd number of its edges cross the positive x
+/// half-axis.
+#[inline(always)]
+fn meets(ray: &Ray, depth: Axis, vertices: &[Vec3]) -> bool {
+    let Some(last) = vertices.last() else {
+        return false;
+    };
+    let mut a = (last, y(ray, depth, last));
+    let mut inside = false;
+    for vertex in vertices {
+        math::keep_rolled();
+        let b = (vertex, y(ray, depth, vertex));
+        if differ(a.1, b.1) {
+            inside ^= crosses((x(ray, depth, a.0), a.1), (x(ray, depth, b.0), b.1));
         }
-        inside
+        a = b;
     }
+    inside
 }
 
 /// Distance to the plane of an outline within which the ray's line passes, where the ray admits it; but
@@ -293,9 +291,9 @@ impl Shape for Polygon<'_> {
             return None;
         }
         let meets = match axis {
-            Axis::X => AlongX::new(ray).meets(self.vertices),
-            Axis::Y => AlongY::new(ray).meets(self.vertices),
-            Axis::Z => AlongZ::new(ray).meets(self.vertices),
+            Axis::X => meets(ray, Axis::X, self.vertices),
+            Axis::Y => meets(ray, Axis::Y, self.vertices),
+            Axis::Z => meets(ray, Axis::Z, self.vertices),
         };
         if meets {
             distance(ray, axis, self.vertices, self.normal)

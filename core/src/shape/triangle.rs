@@ -3,9 +3,7 @@
 use glam::Vec3;
 
 use super::Shape;
-use super::polygon::{
-    AlongX, AlongY, AlongZ, Axis, PolygonError, Sheared, crosses, differ, distance, newell,
-};
+use super::polygon::{Axis, PolygonError, crosses, differ, distance, newell, x, y};
 use crate::math::Math;
 use crate::ray::{Ray, Side};
 
@@ -36,9 +34,9 @@ impl Triangle {
 #[inline(never)]
 pub(super) fn intersect(ray: &Ray, axis: Axis, vertices: &[Vec3; 3], normal: Vec3) -> Option<f32> {
     let meets = match axis {
-        Axis::X => meets(AlongX::new(ray), vertices),
-        Axis::Y => meets(AlongY::new(ray), vertices),
-        Axis::Z => meets(AlongZ::new(ray), vertices),
+        Axis::X => meets(ray, Axis::X, vertices),
+        Axis::Y => meets(ray, Axis::Y, vertices),
+        Axis::Z => meets(ray, Axis::Z, vertices),
     };
     if meets {
         distance(ray, axis, vertices, normal)
@@ -50,19 +48,23 @@ pub(super) fn intersect(ray: &Ray, axis: Axis, vertices: &[Vec3; 3], normal: Vec
 /// As for an outline of any length: where not all corners lie on one side of the x axis, the edges that
 /// cross it are those of the corner that is alone on its side.
 #[inline(always)]
-fn meets<const X: usize, const Y: usize, const DEPTH: usize>(
-    sheared: Sheared<'_, X, Y, DEPTH>,
-    [a, b, c]: &[Vec3; 3],
-) -> bool {
-    let (a, b, c) = ((a, sheared.y(a)), (b, sheared.y(b)), (c, sheared.y(c)));
+fn meets(ray: &Ray, depth: Axis, vertices: &[Vec3; 3]) -> bool {
+    let [a, b, c] = vertices;
+    let (a, b, c) = (
+        (a, y(ray, depth, a)),
+        (b, y(ray, depth, b)),
+        (c, y(ray, depth, c)),
+    );
     let (alone, first, second) = match (differ(a.1, b.1), differ(b.1, c.1)) {
         (false, false) => return false,
         (false, true) => (c, a, b),
         (true, false) => (a, b, c),
         (true, true) => (b, c, a),
     };
-    let alone = (sheared.x(alone.0), alone.1);
-    crosses(alone, (sheared.x(first.0), first.1)) != crosses(alone, (sheared.x(second.0), second.1))
+    let alone = (x(ray, depth, alone.0), alone.1);
+    let first = (x(ray, depth, first.0), first.1);
+    let second = (x(ray, depth, second.0), second.1);
+    crosses(alone, first) != crosses(alone, second)
 }
 
 impl Shape for Triangle {
