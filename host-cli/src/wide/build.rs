@@ -28,7 +28,9 @@ pub struct Binary {
     pub count: u32,
 }
 
-const BINS: usize = 16;
+/// Of nodes with more items than this, the bins are many; of those with fewer, they would cost more than
+/// they spare.
+const FEW: usize = 48;
 
 /// How items are parted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +99,11 @@ fn split(items: &mut [Item], leaf: impl Fn(Kind) -> usize, method: Method) -> Op
         return (others < items.len()).then(|| at(items, others));
     }
     if method == Method::Area
-        && let Some(split) = by_bins(items)
+        && let Some(split) = if items.len() > FEW {
+            by_bins::<16>(items)
+        } else {
+            by_bins::<8>(items)
+        }
     {
         return Some(split);
     }
@@ -127,7 +133,7 @@ struct Bin {
     count: u32,
 }
 
-fn by_bins(items: &mut [Item]) -> Option<Split> {
+fn by_bins<const BINS: usize>(items: &mut [Item]) -> Option<Split> {
     let (mut low, mut high) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
     for item in items.iter() {
         let center = center(item);
