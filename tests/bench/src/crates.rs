@@ -557,11 +557,16 @@ impl<T: Intersector> TinyBvh<'_, T> {
         // Its rays start at 0: theirs is moved instead.
         let from = start(ray);
         let origin = ray.origin + ray.direction * from;
-        let mut cast = tinybvh_rs::Ray::new(origin.to_array(), ray.direction.to_array());
-        cast.hit.t = (ray.t_max - from).min(tinybvh_rs::INFINITE);
-        cast.hit.prim = u32::MAX;
-        self.tree.intersect(&mut cast);
-        cast.hit
+        // tinybvh's own rays are longer than those of its crate, and it writes to what they lack.
+        #[repr(C, align(64))]
+        struct Padded(tinybvh_rs::Ray, [u8; 192]);
+        let cast = tinybvh_rs::Ray::new(origin.to_array(), ray.direction.to_array());
+        let mut cast = std::hint::black_box(Padded(cast, [0; 192]));
+        cast.0.hit.t = (ray.t_max - from).min(tinybvh_rs::INFINITE);
+        cast.0.hit.prim = u32::MAX;
+        self.tree.intersect(&mut cast.0);
+        std::hint::black_box(&cast.1);
+        cast.0.hit
     }
 }
 

@@ -8,7 +8,11 @@ use std::sync::OnceLock;
 
 use glam::Vec3;
 use libloading::Library;
-use whitted::{Ray, Sphere};
+use whitted::math::Transmittance;
+use whitted::{Cuboid, Departure, Exact, Finish, Frustum, Math, Polygon, Ray, Shape, Side, Sphere};
+use whitted_cli::hierarchy::Bounded;
+use whitted_cli::scene::Material;
+use whitted_cli::wide::Kinds;
 
 use crate::peer::{Peer, START};
 use crate::workload::{Answer, Shapes};
@@ -98,6 +102,63 @@ struct CallArguments {
 enum Objects {
     Spheres(Vec<Sphere>),
     Boxes(Vec<[Vec3; 2]>),
+    /// With their places in the scene.
+    Any(Vec<(Solid, u32)>),
+}
+
+/// Whatever Embree has no kernel for.
+enum Solid {
+    Sphere(Sphere),
+    Polygon(Vec<Vec3>, Vec3),
+    Cuboid(Cuboid),
+    Frustum(Frustum),
+}
+
+impl Solid {
+    /// By our own kernels. The object that a ray leaves is in the ray's `id`, less 1.
+    #[inline(always)]
+    fn meet(&self, place: u32, ray: &RayHit) -> Option<f32> {
+        fn meet(shape: &impl Shape, ray: &Ray, left: Option<Side>) -> Option<f32> {
+            let setup = shape_setup(shape, ray);
+            shape.intersect::<Exact>(ray, &setup, left)
+        }
+        fn shape_setup<S: Shape>(_: &S, ray: &Ray) -> S::Setup {
+            S::setup(ray)
+        }
+        let side = if ray.flags == 0 {
+            Side::Outside
+        } else {
+            Side::Inside
+        };
+        let left = (ray.id == place + 1).then_some(side);
+        let ray = Ray {
+            t_max: ray.tfar,
+            ..Ray::new(ray.origin.into(), ray.direction.into())
+        };
+        match self {
+            Self::Sphere(it) => meet(it, &ray, left),
+            Self::Cuboid(it) => meet(it, &ray, left),
+            Self::Frustum(it) => meet(it, &ray, left),
+            Self::Polygon(vertices, normal) => {
+                let (vertices, normal) = (vertices.as_slice(), *normal);
+                meet(&Polygon { vertices, normal }, &ray, left)
+            }
+        }
+    }
+
+    fn bounds(&self) -> [Vec3; 2] {
+        let bounds = match self {
+            Self::Sphere(it) => it.bounds(),
+            Self::Cuboid(it) => it.bounds(),
+            Self::Frustum(it) => it.bounds(),
+            Self::Polygon(vertices, normal) => Polygon {
+                vertices,
+                normal: *normal,
+            }
+            .bounds(),
+        };
+        [bounds.min, bounds.max]
+    }
 }
 
 macro_rules! interface {
@@ -208,23 +269,32 @@ enum Geometry {
 }
 
 impl Embree {
-    fn new(shapes: &Shapes, geometry: Geometry) -> Result<Self, String> {
+    /// A scene without objects.
+    fn empty() -> Result<Self, String> {
         let interface = interface()?;
-        // SAFETY: the calls and their order are those of the manual; buffers are filled to the length
-        // that they were asked for, in the layout of their format.
+        // SAFETY: the calls and their order are those of the manual.
         unsafe {
             let device = (interface.new_device)(c"threads=1,set_affinity=0".as_ptr());
             if device.is_null() {
                 return Err("no device".into());
             }
             let scene = (interface.new_scene)(device);
-            let mut embree = Self {
+            (interface.set_quality)(scene, QUALITY_HIGH);
+            Ok(Self {
                 interface,
                 device,
                 scene,
                 objects: None,
-            };
-            (interface.set_quality)(scene, QUALITY_HIGH);
+            })
+        }
+    }
+
+    fn new(shapes: &Shapes, geometry: Geometry) -> Result<Self, String> {
+        let mut embree = Self::empty()?;
+        let (interface, device, scene) = (embree.interface, embree.device, embree.scene);
+        // SAFETY: the calls and their order are those of the manual; buffers are filled to the length
+        // that they were asked for, in the layout of their format.
+        unsafe {
             let made = match (shapes, geometry) {
                 (Shapes::Triangles(list), Geometry::BuiltIn) => {
                     let made = (interface.new_geometry)(device, TYPE_TRIANGLE);
@@ -352,6 +422,7 @@ unsafe extern "C" fn bounds(arguments: *const BoundsArguments) {
             let sphere = list[arguments.primitive as usize];
             [sphere.center - sphere.radius, sphere.center + sphere.radius]
         }
+        Objects::Any(list) => list[arguments.primitive as usize].0.bounds(),
     };
     // SAFETY: as above.
     unsafe { *arguments.bounds = [min.x, min.y, min.z, 0.0, max.x, max.y, max.z, 0.0] };
@@ -363,6 +434,10 @@ fn meet(objects: &Objects, primitive: u32, ray: &RayHit) -> Option<(f32, Vec3)> 
     let (o, d) = (Vec3::from(ray.origin), Vec3::from(ray.direction));
     let admits = |t: f32| t > ray.tnear && t < ray.tfar;
     match objects {
+        Objects::Any(list) => {
+            let (solid, place) = &list[primitive as usize];
+            Some((solid.meet(*place, ray)?, Vec3::ZERO))
+        }
         Objects::Spheres(list) => {
             let sphere = &list[primitive as usize];
             let to_center = sphere.center - o;
@@ -436,6 +511,8 @@ unsafe extern "C" fn occluded(arguments: *const CallArguments) {
             tnear: (*ray).tnear,
             direction: (*ray).direction,
             tfar: (*ray).tfar,
+            id: (*ray).id,
+            flags: (*ray).flags,
             ..EMPTY
         };
         if meet(&*arguments.user, arguments.primitive, &copy).is_some() {
@@ -619,5 +696,142 @@ pub fn packets(shapes: &Shapes) -> Result<Box<dyn Peer + '_>, String> {
     match shapes {
         Shapes::Cuboids(_) => Err("boxes are user geometry, asked ray by ray".into()),
         _ => Ok(Box::new(Packets(single_with(shapes, Geometry::BuiltIn)?))),
+    }
+}
+
+/// A scene of many kinds on Embree: triangles as its own, all else by our kernels in its hierarchy.
+pub struct Intersector<'a> {
+    embree: Embree,
+    kinds: Kinds<'a, Material>,
+    /// For each of its geometries, the places of our objects.
+    places: [Vec<u32>; 2],
+}
+
+impl<'a> Intersector<'a> {
+    /// Builds Embree's hierarchy.
+    pub fn new(kinds: Kinds<'a, Material>) -> Result<Self, String> {
+        let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, frusta)))))) = kinds;
+        if !planes.is_empty() {
+            return Err("planes have no bounds".into());
+        }
+        let mut solids: Vec<(Solid, u32)> = Vec::new();
+        let (mut corners, mut faces) = (Vec::new(), Vec::new());
+        let mut opaque = true;
+        let mut place = 0;
+        macro_rules! each {
+            ($list:ident, $it:ident => $solid:expr) => {
+                for $it in $list {
+                    opaque &= !($it.material.transmission.transmittance > 0.0);
+                    solids.push(($solid, place));
+                    place += 1;
+                }
+            };
+            ($list:ident) => {
+                for it in $list {
+                    opaque &= !(it.material.transmission.transmittance > 0.0);
+                    corners.extend(it.shape.vertices);
+                    faces.push(place);
+                    place += 1;
+                }
+            };
+        }
+        each!(spheres, it => Solid::Sphere(it.shape));
+        each!(polygons, it => Solid::Polygon(it.shape.vertices.to_vec(), it.shape.normal));
+        each!(triangles);
+        each!(patches);
+        each!(cuboids, it => Solid::Cuboid(it.shape));
+        each!(frusta, it => Solid::Frustum(it.shape));
+        if !opaque {
+            return Err("glass, which needs every hit".into());
+        }
+        let mut embree = Embree::empty()?;
+        let interface = embree.interface;
+        let places = [solids.iter().map(|it| it.1).collect(), faces];
+        // SAFETY: as in `Embree::new`. Both geometries are attached, in this order, even if empty.
+        unsafe {
+            let count = solids.len();
+            let user = embree.user(Objects::Any(solids), count);
+            let made = (interface.new_geometry)(embree.device, TYPE_TRIANGLE);
+            let indices: Vec<_> = (0..corners.len() as u32).collect();
+            let faces = corners.len() / 3;
+            embree.fill(
+                made,
+                BUFFER_VERTEX,
+                FORMAT_FLOAT3,
+                12,
+                corners.len(),
+                &corners,
+            );
+            embree.fill(made, BUFFER_INDEX, FORMAT_UINT3, 12, faces, &indices);
+            for geometry in [user, made] {
+                (interface.commit_geometry)(geometry);
+                (interface.attach)(embree.scene, geometry);
+                (interface.release_geometry)(geometry);
+            }
+            (interface.commit_scene)(embree.scene);
+        }
+        Ok(Self {
+            embree,
+            kinds,
+            places,
+        })
+    }
+
+    fn ray(ray: &Ray) -> RayHit {
+        let (id, flags) = match ray.departure {
+            Some(Departure { object, side }) => (object as u32 + 1, side == Side::Inside),
+            None => (0, false),
+        };
+        RayHit {
+            origin: ray.origin.to_array(),
+            tnear: start(ray),
+            direction: ray.direction.to_array(),
+            tfar: ray.t_max,
+            id,
+            flags: flags.into(),
+            ..EMPTY
+        }
+    }
+}
+
+impl whitted::Geometry for Intersector<'_> {
+    type Material = Material;
+
+    fn len(&self) -> usize {
+        self.kinds.len()
+    }
+
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
+        let mut cast = Self::ray(ray);
+        self.embree.cast(self.embree.interface.intersect, &mut cast);
+        if cast.primitive == INVALID {
+            return None;
+        }
+        ray.t_max = cast.tfar;
+        let places = &self.places[cast.geometry as usize & 1];
+        Some(first + places[cast.primitive as usize] as usize)
+    }
+
+    fn surface<P: Math>(
+        &self,
+        ray: &Ray,
+        t: f32,
+        object: usize,
+        first: usize,
+    ) -> Option<(Vec3, &Material)> {
+        self.kinds.surface::<P>(ray, t, object, first)
+    }
+
+    fn blocks<P: Math>(&self, ray: &Ray, _: usize) -> bool {
+        let mut cast = Self::ray(ray);
+        self.embree.cast(self.embree.interface.occluded, &mut cast);
+        cast.tfar < 0.0
+    }
+
+    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, _: &mut Transmittance) -> bool
+    where
+        Material: Finish,
+    {
+        self.blocks::<P>(ray, first)
     }
 }

@@ -2,7 +2,7 @@
 
 use whitted::{Geometry, Ray};
 use whitted_cli::scene::Material;
-use whitted_cli::wide::{Kinds, Wide};
+use whitted_cli::wide::{Kinds, Wide, lockstep};
 
 use crate::peer::Peer;
 use crate::workload::{Answer, Shapes};
@@ -36,6 +36,49 @@ impl<G: Geometry<Material = Material>> Peer for Ours<G> {
             *answer = self.geometry.occluded(ray);
         }
     }
+}
+
+/// All rays of a set in one call, which may cast neighbours together.
+struct Together<'a>(Wide<'a, Material>);
+
+impl Peer for Together<'_> {
+    fn name(&self) -> String {
+        "whitted, rays together".into()
+    }
+
+    fn nearest(&self, rays: &[Ray], answers: &mut [Answer]) {
+        let mut hits = [None; BATCH];
+        for (rays, answers) in rays.chunks(BATCH).zip(answers.chunks_mut(BATCH)) {
+            lockstep::closest_hits(&self.0, rays, &mut hits[..rays.len()]);
+            for (hit, answer) in hits.iter().zip(answers) {
+                *answer = hit.map_or(Answer::MISS, |hit| Answer {
+                    t: hit.t,
+                    normal: hit.normal,
+                    object: hit.object as u32,
+                    diffuse: hit.material.diffuse,
+                });
+            }
+        }
+    }
+
+    fn any(&self, rays: &[Ray], answers: &mut [bool]) {
+        let mut passed = [0.0; BATCH];
+        for (rays, answers) in rays.chunks(BATCH).zip(answers.chunks_mut(BATCH)) {
+            lockstep::transmittances(&self.0, rays, &mut passed[..rays.len()]);
+            for (passed, answer) in passed.iter().zip(answers) {
+                // No object here is transparent.
+                *answer = *passed == 0.0;
+            }
+        }
+    }
+}
+
+/// Rays that are asked about at a time.
+const BATCH: usize = 256;
+
+/// The host's geometry, asked about many rays at once.
+pub fn together(shapes: &Shapes) -> Result<Box<dyn Peer + '_>, String> {
+    Ok(Box::new(Together(Wide::new(shapes.kinds()))))
 }
 
 /// The host's geometry.

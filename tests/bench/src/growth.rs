@@ -1,0 +1,211 @@
+//! Cost against the size of the scene, ours and the peers'.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use anyhow::Context;
+use plotters::prelude::*;
+
+use crate::peer::{Builder, Peer};
+use crate::report::{Report, chart, ratio};
+use crate::workload::{Answer, Query, Shapes, Workload, spheres, surface, triangles};
+use crate::{crates, embree, ours, run};
+
+const PEERS: [Builder; 7] = [
+    ours::wide,
+    embree::single,
+    crates::obvhs_cwbvh,
+    crates::bvh,
+    crates::parry,
+    crates::tiny,
+    crates::tiny8,
+];
+
+/// Seconds to build and to answer, least of the rounds, by peer and size.
+type Costs = BTreeMap<(usize, &'static str, String), Vec<(usize, f64)>>;
+
+type Make = fn(usize) -> Shapes;
+
+const KINDS: [(&str, Make); 3] = [
+    ("spheres", spheres),
+    ("triangles", triangles),
+    ("surface", surface),
+];
+
+/// Measures, writes the numbers and draws the charts.
+pub fn run_all(report: &mut Report, rounds: usize, quick: bool) -> anyhow::Result<()> {
+    let sizes: &[usize] = if quick {
+        &[10, 100, 1000, 10_000]
+    } else {
+        &[10, 100, 1000, 10_000, 100_000, 1_000_000]
+    };
+    let mut costs = Costs::new();
+    for (kind, (name, make)) in KINDS.iter().enumerate() {
+        for &size in sizes {
+            if *name == "surface" && size < 100 {
+                continue;
+            }
+            let workload = Workload::new(*name, make(size), 256);
+            measure(&workload, kind, size, rounds, &mut costs);
+            eprintln!("{name}, {size}");
+        }
+    }
+    let mut text = String::from("scene,what,peer,objects,cost\n");
+    for ((kind, what, peer), points) in &costs {
+        let base = base(&costs, *kind, what);
+        for (size, cost) in points {
+            text += &format!(
+                "{},{what},{peer},{size},{:.4}\n",
+                KINDS[*kind].0,
+                cost / base
+            );
+        }
+    }
+    std::fs::write(chart("bench.csv"), text)?;
+    for what in ["build", "primary", "incoherent"] {
+        draw(&costs, what)?;
+    }
+    table(report, &costs);
+    Ok(())
+}
+
+fn measure(workload: &Workload, kind: usize, size: usize, rounds: usize, costs: &mut Costs) {
+    let mut best = BTreeMap::new();
+    let sets = &workload.rays;
+    let mut answers = vec![Answer::MISS; sets[0].rays.len()];
+    let mut flags = vec![false; sets[0].rays.len()];
+    let builds = if size > 100_000 { 2 } else { rounds };
+    let mut peers: Vec<(usize, Box<dyn Peer + '_>)> = Vec::new();
+    for round in 0..builds {
+        for (place, builder) in PEERS.iter().enumerate() {
+            let start = Instant::now();
+            let Ok(peer) = builder(&workload.shapes) else {
+                continue;
+            };
+            let time = start.elapsed().as_secs_f64();
+            least(&mut best, (place, "build"), time);
+            if round == 0 {
+                peers.push((place, peer));
+            }
+        }
+    }
+    for _ in 0..rounds {
+        for (place, peer) in &peers {
+            for set in sets.iter().filter(|set| set.query == Query::Nearest) {
+                let time = run(&**peer, set.query, &set.rays, &mut answers, &mut flags);
+                least(&mut best, (*place, set.name), time / set.rays.len() as f64);
+            }
+        }
+    }
+    for (place, peer) in &peers {
+        for what in ["build", "primary", "incoherent"] {
+            if let Some(&cost) = best.get(&(*place, what)) {
+                let points = costs.entry((kind, what, peer.name())).or_default();
+                points.push((size, cost));
+            }
+        }
+    }
+}
+
+fn least<K: Ord>(best: &mut BTreeMap<K, f64>, key: K, time: f64) {
+    let entry = best.entry(key).or_insert(f64::INFINITY);
+    *entry = entry.min(time);
+}
+
+/// What everything is told in: our cost of the smallest scene of this kind.
+fn base(costs: &Costs, kind: usize, what: &'static str) -> f64 {
+    costs[&(kind, what, "whitted".to_owned())][0].1
+}
+
+fn table(report: &mut Report, costs: &Costs) {
+    let mut rows = Vec::new();
+    for ((kind, what, peer), points) in costs {
+        if peer == "whitted" {
+            continue;
+        }
+        let ours = &costs[&(*kind, *what, "whitted".to_owned())];
+        let mut row = vec![format!("{}, {what}", KINDS[*kind].0), peer.clone()];
+        for size in [10, 100, 1000, 10_000, 100_000, 1_000_000] {
+            let of = |points: &[(usize, f64)]| points.iter().find(|it| it.0 == size).map(|it| it.1);
+            row.push(match (of(points), of(ours)) {
+                (Some(theirs), Some(ours)) => ratio(theirs / ours),
+                _ => String::new(),
+            });
+        }
+        rows.push(row);
+    }
+    let head = [
+        "scene",
+        "peer / whitted",
+        "10",
+        "100",
+        "1,000",
+        "10,000",
+        "100,000",
+        "1,000,000",
+    ];
+    report.table("By the number of objects, rays one by one", &head, &rows);
+}
+
+fn draw(costs: &Costs, what: &'static str) -> anyhow::Result<()> {
+    let path = chart(&format!("bench-{what}.svg"));
+    let root = SVGBackend::new(&path, (1200, 460)).into_drawing_area();
+    root.fill(&WHITE)?;
+    for ((kind, (name, _)), area) in KINDS.iter().enumerate().zip(root.split_evenly((1, 3))) {
+        let base = base(costs, kind, what);
+        let lines: Vec<_> = costs
+            .iter()
+            .filter(|(key, _)| key.0 == kind && key.1 == what)
+            .map(|((_, _, peer), points)| {
+                let points = points
+                    .iter()
+                    .map(|&(size, cost)| (size as f64, cost / base));
+                (peer.clone(), points.collect::<Vec<_>>())
+            })
+            .collect();
+        let all = || lines.iter().flat_map(|it| it.1.iter().copied());
+        let most = |x: fn((f64, f64)) -> f64| all().map(x).fold(0.0, f64::max);
+        let low = all().map(|it| it.1).fold(f64::INFINITY, f64::min);
+        let mut chart = ChartBuilder::on(&area)
+            .caption(format!("{name}: {what}"), ("sans-serif", 18))
+            .margin(8)
+            .x_label_area_size(36)
+            .y_label_area_size(56)
+            .build_cartesian_2d(
+                (10.0..most(|it| it.0)).log_scale(),
+                (low * 0.8..most(|it| it.1) * 1.3).log_scale(),
+            )?;
+        let whole = |x: &f64| match x.log10().round() as i32 {
+            power if power < 5 => format!("{:.0}", x),
+            power => format!("1e{power}"),
+        };
+        chart
+            .configure_mesh()
+            .x_desc("objects")
+            .y_desc("cost; whitted, smallest scene: 1")
+            .x_label_formatter(&whole)
+            .draw()?;
+        for (place, (peer, points)) in lines.iter().enumerate() {
+            let ours = peer == "whitted";
+            let color = if ours {
+                BLACK.to_rgba()
+            } else {
+                Palette99::pick(place).to_rgba()
+            };
+            let style = color.stroke_width(if ours { 3 } else { 2 });
+            chart
+                .draw_series(LineSeries::new(points.iter().copied(), style).point_size(3))?
+                .label(peer.as_str())
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 14, y)], style));
+        }
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperLeft)
+            .background_style(WHITE.mix(0.8))
+            .border_style(BLACK.mix(0.3))
+            .label_font(("sans-serif", 11))
+            .draw()?;
+    }
+    root.present().context("cannot write the chart")?;
+    Ok(())
+}
