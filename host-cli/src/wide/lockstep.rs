@@ -492,12 +492,11 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let direction = to_light * recip;
             let cos = hits.mirrored.load(simd).dot(direction);
             let weight = Vectors::splat(simd, source.color()) * throughput;
-            let diffuse = V::from_slice(simd, &hits.diffuse);
-            let scattered = color * (diffuse * (height * recip));
+            let diffuse = V::from_slice(simd, &hits.diffuse) * (height * recip);
             let specular = V::from_slice(simd, &hits.specular);
             let peak = cos.simd_gt(zero).select(specular, zero);
-            let most = plus(scattered, peak) * weight;
-            let seen = above & largest(most).simd_gt(V::simd_from(simd, job.threshold));
+            let most = (diffuse + peak) * (weight.x + weight.y + weight.z);
+            let seen = above & most.simd_gt(V::simd_from(simd, job.threshold));
             let lit = seen.to_bitmask() as u32 & hit;
             if lit == 0 {
                 continue;
@@ -515,7 +514,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let hits = &self.hits;
             let passed = V::from_slice(simd, &passed);
             let lit = V::Mask::from_bitmask(simd, lit.into()) & passed.simd_gt(zero);
-            let mut term = scattered;
+            let mut term = color * diffuse;
             let shines = lit & cos.simd_gt(zero) & specular.simd_gt(zero);
             if shines.any_true() {
                 let mut cosines = [0.0; N];
@@ -619,7 +618,9 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         }
         let throughput = V::from_slice(simd, &self.throughput);
         let transmittance = V::from_slice(simd, &self.hits.transmittance);
-        let clear = (throughput * transmittance).simd_gt(threshold);
+        let clear = transmittance.simd_gt(V::simd_from(simd, 0.0));
+        let weighs = (throughput * transmittance).simd_gt(threshold);
+        let weighs = weighs.to_bitmask() as u32;
         let mut refracted = 0_u32;
         for lane in Set(clear.to_bitmask() as u32 & can) {
             let hits = &mut self.hits;
@@ -628,7 +629,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let eta = if front { 1.0 / ior } else { ior };
             let direction = self.beams.direction.get(lane);
             match math::refract::<Exact>(direction, hits.normal.get(lane), eta) {
-                Some(direction) => {
+                Some(direction) if weighs >> lane & 1 != 0 => {
                     refracted |= 1 << lane;
                     self.waiting[lane].push(Path {
                         origin: hits.point.get(lane),
@@ -639,6 +640,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                         depth: self.depth[lane] + 1,
                     });
                 }
+                Some(_) => {}
                 // Total internal reflection.
                 None => hits.reflectance[lane] += hits.transmittance[lane],
             }
@@ -675,11 +677,4 @@ fn plus<S: Simd, V: Lanes<S>>(v: Vectors<V>, x: V) -> Vectors<V> {
         y: v.y + x,
         z: v.z + x,
     }
-}
-
-/// As core's `max_component`.
-#[inline(always)]
-fn largest<S: Simd, V: Lanes<S>>(v: Vectors<V>) -> V {
-    let xy = v.x.simd_gt(v.y).select(v.x, v.y);
-    xy.simd_gt(v.z).select(xy, v.z)
 }
