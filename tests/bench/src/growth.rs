@@ -169,6 +169,7 @@ fn draw(costs: &Costs, what: &'static str) -> anyhow::Result<()> {
         let mut chart = ChartBuilder::on(&area)
             .caption(format!("{name}: {what}"), ("sans-serif", 18))
             .margin(8)
+            .margin_right(24)
             .x_label_area_size(36)
             .y_label_area_size(56)
             .build_cartesian_2d(
