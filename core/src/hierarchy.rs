@@ -43,6 +43,7 @@ use crate::ray::{Departure, Ray, Side};
 use crate::shape::Shape;
 use crate::shape::cuboid::Cuboid;
 use crate::shape::frustum::Frustum;
+use crate::shape::polygon::Axis;
 use crate::shape::sphere::Sphere;
 
 /// What a box is round: a node, or some objects next to each other.
@@ -191,13 +192,6 @@ pub struct BoxProbe {
     margin_along: f32,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Axis {
-    X,
-    Y,
-    Z,
-}
-
 impl<S: Shape> Bound<S> for Aabb {
     type Probe = BoxProbe;
 
@@ -205,14 +199,8 @@ impl<S: Shape> Bound<S> for Aabb {
     fn probe(ray: &Ray, slack: f32) -> BoxProbe {
         let (o, d) = (ray.origin, ray.direction);
         let a = d.abs();
-        let (axis, speed) = if a.x > a.y && a.x > a.z {
-            (Axis::X, d.x)
-        } else if a.y > a.z {
-            (Axis::Y, d.y)
-        } else {
-            (Axis::Z, d.z)
-        };
-        let rate = 1.0 / speed;
+        let axis = Axis::along(ray);
+        let rate = 1.0 / axis.of(&d);
         let margin = slack * math::max_component(o.abs());
         let across = Vec3::new(a.y + a.z, a.z + a.x, a.x + a.y);
         BoxProbe {

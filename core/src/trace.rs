@@ -93,9 +93,10 @@ impl core::ops::AddAssign for Counters {
 pub struct Tracer<const DEPTH: usize, P = Exact, C = ()> {
     /// The most rays from the eye to the last surface, up to `DEPTH`.
     pub depth: usize,
-    /// What weighs no more than this in its pixel is not traced, a light or a secondary ray. With 0,
-    /// the default, only what cannot change the picture; 1/512 cannot change an 8-bit pixel by more
-    /// than half a step a ray.
+    /// What weighs no more than this in its pixel is not traced, a light or a secondary ray. A light
+    /// weighs the sum of its channels, a surface's color 1 and a secondary ray as if it brought 1. With 0,
+    /// the default, only what cannot change the picture is left out; by 1/512, nothing that would change
+    /// an 8-bit pixel by more than half a step, where no more than 1 is brought.
     pub threshold: f32,
     /// Counts rays and hits; `()` where nobody asks.
     pub counters: C,
@@ -229,7 +230,7 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
             let cos = mirrored.dot(direction);
             let weight = source.color() * throughput;
             let diffuse = material.diffuse() * (height * recip);
-            // No channel of a color is above 1, nor any of a light's above their sum.
+            // A bound from scalars: see `threshold`.
             let most = (diffuse + material.highlight().peak(cos)) * weight.element_sum();
             if !(most > self.threshold) {
                 continue;

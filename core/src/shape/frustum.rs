@@ -15,7 +15,8 @@ use crate::ray::{Ray, Side};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
     /// Center of the base, in world space. The narrower end, for the sake of accuracy: measured from
-    /// the wider one, the radius near the tip of a cone is a difference of large numbers.
+    /// the wider one, the radius near the tip of a cone is a difference of large numbers, and hits there
+    /// lie further off the surface than the slack of hierarchies covers.
     pub base: Vec3,
     /// From the base to the other end; unit length.
     pub axis: Vec3,

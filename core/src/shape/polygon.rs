@@ -135,7 +135,7 @@ pub enum Axis {
 impl Axis {
     /// That to which the ray is closest.
     #[inline(always)]
-    pub(super) fn along(ray: &Ray) -> Self {
+    pub(crate) fn along(ray: &Ray) -> Self {
         let size = ray.direction.abs();
         if size.x > size.y && size.x > size.z {
             Self::X
@@ -146,8 +146,9 @@ impl Axis {
         }
     }
 
+    /// This coordinate of a vector.
     #[inline(always)]
-    fn of(self, v: &Vec3) -> f32 {
+    pub(crate) fn of(self, v: &Vec3) -> f32 {
         let v: &[f32; 3] = v.as_ref();
         v[self as usize]
     }
@@ -210,12 +211,12 @@ fn meets(ray: &Ray, depth: Axis, vertices: &[Vec3]) -> bool {
     inside
 }
 
-/// Distance to the plane of an outline within which the ray's line passes, where the ray admits it; but
-/// no farther and no nearer than the outline's vertices.
+/// Distance to the plane of an outline within which the ray's line passes, where the ray admits it; where
+/// the outline is seen edge-on, no farther and no nearer than its vertices.
 ///
-/// Seen edge-on, the plane's equation says little about the distance, and the point could lie far
-/// outside the outline. The axis to which the ray is closest always tells it well; so what is met
-/// lies within the box round the vertices, and hierarchies of boxes lose nothing.
+/// Edge-on, the plane's equation says little about the distance, and the point could lie far outside the
+/// outline. The axis to which the ray is closest always tells it well; so what is met lies within the box
+/// round the vertices, and hierarchies of boxes lose nothing.
 #[inline(always)]
 pub(super) fn distance(ray: &Ray, axis: Axis, vertices: &[Vec3], normal: Vec3) -> Option<f32> {
     const EDGE_ON: f32 = 0.125;

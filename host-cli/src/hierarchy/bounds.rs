@@ -159,9 +159,10 @@ fn ends(frustum: &Frustum) -> [(DVec3, f64); 2] {
     [(base, base_radius.abs()), (apex, apex_radius.abs())]
 }
 
-/// How far off its side a frustum may be met by a ray that is parallel to it there: the kernel's
-/// quadratic is then nearly linear, and what it leaves is not small against the radius at that point,
-/// only its root against the whole frustum.
+/// How far off its side a frustum may be met by a ray that is parallel to it there, if its base is the
+/// wider end: the kernel's quadratic is then nearly linear, and what it leaves is not small against the
+/// radius at that point, only its root against the whole frustum. Constructors put the narrower end
+/// first, but fields are public.
 fn stray(frustum: &Frustum) -> f64 {
     let [base, apex] = ends(frustum).map(|it| it.1);
     let size = f64::from(frustum.length) + base.max(apex);
