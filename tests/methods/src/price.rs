@@ -450,21 +450,20 @@ pub fn outlines(corners: usize, hit: bool) -> [([Vec3; 6], Vec3, Ray); CALLS] {
     })
 }
 
-/// Hits on spheres and planes, to be left.
+/// Hits on flat surfaces, a rounding below them, to be left.
 pub fn leavings() -> [Leaving; CALLS] {
     let mut random = Random(7);
-    core::array::from_fn(|i| {
+    core::array::from_fn(|_| {
         let (eye, direction, normal) = (random.vector(), random.direction(), random.direction());
         let way = direction * (1.0 + random.unit());
         let point = eye + way;
-        let radius = if i % 2 == 0 { 1.0 } else { 0.0 };
         Leaving {
             eye,
             way,
             point,
             normal,
-            anchor: point - normal * radius,
-            radius,
+            anchor: point + normal * 1e-6,
+            radius: 0.0,
         }
     })
 }

@@ -159,31 +159,21 @@ pub fn skip_error_bound(leaving: &Leaving) -> Start {
 }
 
 /// What is left is skipped; from a flat surface the ray starts on the outer side of it, for the sake of
-/// its neighbours: as far up as the point lies too low, and a step of each coordinate more, which is
-/// what placing it there rounds.
+/// its neighbours: as far up as the point lies too low, and by twice what placing it there can round.
 #[inline(never)]
 pub fn skip_outward(leaving: &Leaving) -> Start {
     let skips = Start {
         skips: true,
         ..Start::at(leaving.point)
     };
-    let height = leaving.normal.dot(leaving.point - leaving.anchor);
+    let (point, normal) = (leaving.point, leaving.normal);
+    let height = normal.dot(point - leaving.anchor);
     if leaving.radius > 0.0 || height >= 0.0 {
         return skips;
     }
-    let raised = leaving.point - leaving.normal * height;
-    let step = |p: f32, n: f32| {
-        if n > 0.0 {
-            p.next_up()
-        } else if n < 0.0 {
-            p.next_down()
-        } else {
-            p
-        }
-    };
-    let (p, n) = (raised, leaving.normal);
+    let rounding = normal.abs().dot(point.abs()) * (2.0 / 16_777_216.0);
     Start {
-        origin: Vec3::new(step(p.x, n.x), step(p.y, n.y), step(p.z, n.z)),
+        origin: point + normal * (rounding - height),
         ..skips
     }
 }

@@ -100,7 +100,7 @@ fn overview(results: &Results, path: &Path) -> Result<(), Failure> {
 
 /// Numbers of a logarithmic axis: plain where short, powers of ten where not.
 fn number(x: &f64) -> String {
-    if (0.01..10_000.0).contains(x) {
+    if *x == 0.0 || (0.01..10_000.0).contains(&x.abs()) {
         format!("{x}")
     } else {
         format!("{x:.0e}")

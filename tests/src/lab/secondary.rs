@@ -302,11 +302,16 @@ impl Stage for Secondary {
         let leak = |size| move |x: f64, random: &mut Random| Case::leak(size, x, random);
         let (size, gap) = ("size of everything", "gap / size");
         vec![
-            Sweep::new("acne, sphere", size, &sizes, own(0)),
+            Sweep::new(
+                "neighbour",
+                "distance from 0 / size",
+                &offsets,
+                Case::neighbours,
+            ),
+            Sweep::new("leak, size 1", gap, &gaps, leak(1.0)),
+            Sweep::new("leak, size 1e-6", gap, &gaps, leak(1e-6)),
             Sweep::new("acne, plane", size, &sizes, own(1)),
-            Sweep::new("acne, triangle", size, &sizes, own(2)),
-            Sweep::new("acne, box", size, &sizes, own(3)),
-            Sweep::new("acne, cone", size, &sizes, own(4)),
+            Sweep::new("acne, sphere", size, &sizes, own(0)),
             Sweep::new(
                 "acne, offset",
                 "distance from 0 / size",
@@ -316,17 +321,12 @@ impl Stage for Secondary {
                     Case::own(kind, 1.0, x, random)
                 },
             ),
-            Sweep::new("leak, size 1", gap, &gaps, leak(1.0)),
-            Sweep::new("leak, size 1e-6", gap, &gaps, leak(1e-6)),
+            Sweep::new("acne, triangle", size, &sizes, own(2)),
+            Sweep::new("acne, box", size, &sizes, own(3)),
+            Sweep::new("acne, cone", size, &sizes, own(4)),
             Sweep::new("leak, size 1e6", gap, &gaps, leak(1e6)),
             Sweep::new("leak, size 2^-40", gap, &gaps, leak(small)),
             Sweep::new("leak, size 2^40", gap, &gaps, leak(1.0 / small)),
-            Sweep::new(
-                "neighbour",
-                "distance from 0 / size",
-                &offsets,
-                Case::neighbours,
-            ),
         ]
     }
 
