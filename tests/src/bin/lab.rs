@@ -17,6 +17,9 @@ struct Arguments {
     /// 10^7 rays a primitive and 10^9 at shared edges: half an hour, not two minutes.
     #[arg(long)]
     full: bool,
+    /// So many rays at the edges, and as many at the corners, of each of the six meshes.
+    #[arg(long, value_name = "COUNT")]
+    rays: Option<u64>,
     /// Only these stages, as named in sweeps.csv, or `watertight`, or `frames`.
     #[arg(long, value_name = "STAGE", requires = "out")]
     only: Vec<String>,
@@ -56,11 +59,12 @@ fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     } else if arguments.price {
         eprintln!("no compiler or no emulator for the part: the committed figures serve");
     }
-    let plan = if arguments.full {
+    let mut plan = if arguments.full {
         Plan::FULL
     } else {
         Plan::QUICK
     };
+    plan.our_rays = arguments.rays.unwrap_or(plan.our_rays);
     let wanted =
         |stage: &str| arguments.only.is_empty() || arguments.only.iter().any(|one| one == stage);
     let bar = ProgressBar::no_length().with_style(ProgressStyle::with_template(
