@@ -6,7 +6,8 @@
 #   tests/embedded.sh table            measure, and rewrite tests/charts/firmware.md and .csv
 #   tests/embedded.sh compiler         say which compiler the firmware is built with
 #   tests/embedded.sh peer TARGET      measure against plain C on one target, say Cortex-M4F
-#   tests/embedded.sh build TARGETS .. build tests/firmware; the rest goes to `cargo build`
+#   tests/embedded.sh build TARGETS .. build tests/firmware for targets with commas between them, or for
+#                                      `host` alone; the rest goes to `cargo build`
 #
 # `build` and `compiler` exit with 77 where no compiler can make the targets.
 set -euo pipefail
@@ -95,8 +96,11 @@ say_compiler() {
 build() { # TARGET[,TARGET..] [arguments of cargo build]
   local target linker arguments=()
   say_compiler >/dev/null
+  # The machine at hand has all of it, and is no target to cargo.
+  [ "$1" != host ] || build_core=()
   [ ${#build_core[@]} = 0 ] || export RUSTC_BOOTSTRAP=1
   for target in ${1//,/ }; do
+    [ "$target" != host ] || continue
     arguments+=(--target "$target")
     # Debian's rustc has no linker of its own for these targets.
     if ! compgen -G "$("$compiler" --print sysroot)/lib/rustlib/*/bin/rust-lld" >/dev/null; then
@@ -109,7 +113,7 @@ build() { # TARGET[,TARGET..] [arguments of cargo build]
   export RUSTC=$compiler CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$root/target}/firmware
   # For .cargo/config.toml, which cargo looks for here.
   cd "$root/tests/firmware"
-  exec "$cargo" build --release "${arguments[@]}" ${build_core[@]+"${build_core[@]}"} "$@"
+  exec "$cargo" build --release ${arguments[@]+"${arguments[@]}"} ${build_core[@]+"${build_core[@]}"} "$@"
 }
 
 case ${1:-all} in

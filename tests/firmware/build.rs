@@ -9,6 +9,10 @@ fn main() {
     println!("cargo:rerun-if-env-changed=WHITTED_BOARD");
 
     let target = env::var("TARGET").expect("cargo sets TARGET");
+    println!("cargo:rustc-check-cfg=cfg(native)");
+    if env::var("HOST").is_ok_and(|host| host == target) {
+        println!("cargo:rustc-cfg=native");
+    }
     let has_feature = |name| env::var_os(format!("CARGO_FEATURE_{name}")).is_some();
     if has_feature("PEER") && target.starts_with("thumb") {
         for scene in ["six-spheres", "c-ray", "tiny"] {

@@ -16,7 +16,7 @@ use whitted_tests::embedded::firmware::{self, Request};
 use whitted_tests::embedded::hierarchy::{self, Saving};
 use whitted_tests::embedded::image::Image;
 use whitted_tests::embedded::measure::{self, Row, Variant};
-use whitted_tests::embedded::target::{CORTEX_M0, CORTEX_M4F, Machine, TARGETS, Target};
+use whitted_tests::embedded::target::{CORTEX_M0, CORTEX_M4F, HOST, Machine, TARGETS, Target};
 use whitted_tests::embedded::{baked, chart, run};
 
 /// What the host draws.
@@ -123,7 +123,8 @@ fn draw_all(targets: &[Target], directory: &Path, collections: &Collections) -> 
 
 #[test]
 fn every_target_draws_what_the_host_draws() {
-    let targets: Vec<_> = TARGETS.into_iter().filter(can_run).collect();
+    let all = TARGETS.into_iter().chain([HOST]);
+    let targets: Vec<_> = all.filter(can_run).collect();
     let directory = firmware::build_directory().join("baked");
     let mut collections = collections(&directory, None).unwrap();
     // Those of `scenes::visit_varied`.

@@ -11,13 +11,17 @@
 
 #![no_std]
 
+#[cfg(native)]
+extern crate std;
+
+#[cfg_attr(native, path = "platform/native.rs")]
 #[cfg_attr(
     any(target_arch = "arm", target_arch = "riscv32"),
     path = "platform/semihosting.rs"
 )]
 #[cfg_attr(target_arch = "wasm32", path = "platform/wasm.rs")]
 pub mod platform;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(not(any(native, target_arch = "wasm32")))]
 mod stack;
 
 mod checksum;
@@ -45,10 +49,10 @@ impl Depth {
     /// Calls `draw`, and keeps how deep the stack became below this function's frame.
     #[inline(always)]
     fn of(&mut self, draw: impl FnOnce()) {
-        #[cfg(not(target_arch = "wasm32"))]
+        #[cfg(not(any(native, target_arch = "wasm32")))]
         let paint = stack::Paint::below_here();
         draw();
-        #[cfg(not(target_arch = "wasm32"))]
+        #[cfg(not(any(native, target_arch = "wasm32")))]
         {
             self.0 = self.0.max(paint.depth());
         }
@@ -247,6 +251,7 @@ macro_rules! peer {
     };
 }
 
+#[cfg(not(native))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
     unsafe extern "C" {

@@ -76,13 +76,14 @@ pub fn build(targets: &[Target], request: Request<'_>) -> Result<Vec<Programs>> 
     static BUILDING: Mutex<()> = Mutex::new(());
     let _building = BUILDING.lock();
 
-    let mut groups: BTreeMap<Vec<&str>, Vec<Target>> = BTreeMap::new();
+    let mut groups: BTreeMap<(bool, Vec<&str>), Vec<Target>> = BTreeMap::new();
     for target in targets {
         let flags = [target.rustflags, request.rustflags].concat();
-        groups.entry(flags).or_default().push(*target);
+        let is_native = target.machine == Machine::Native;
+        groups.entry((is_native, flags)).or_default().push(*target);
     }
     let mut built = BTreeMap::new();
-    for (flags, targets) in &groups {
+    for ((_, flags), targets) in &groups {
         let directory = build_group(targets, flags, &request)?;
         for target in targets {
             built.insert(target.name, keep(target, &directory, &request)?);
@@ -132,7 +133,10 @@ fn build_group(targets: &[Target], flags: &[&str], request: &Request<'_>) -> Res
 
 /// Copies a target's programs to where the next build does not overwrite them.
 fn keep(target: &Target, directory: &Path, request: &Request<'_>) -> Result<Programs> {
-    let built = directory.join(target.triple).join("release");
+    let built = match target.machine {
+        Machine::Native => directory.join("release"),
+        _ => directory.join(target.triple).join("release"),
+    };
     let kept = request
         .root
         .unwrap_or(directory)
@@ -143,7 +147,7 @@ fn keep(target: &Target, directory: &Path, request: &Request<'_>) -> Result<Prog
     let mut programs = Programs::new();
     for name in request.programs {
         let file = match target.machine {
-            Machine::Qemu(..) => (*name).to_owned(),
+            Machine::Qemu(..) | Machine::Native => (*name).to_owned(),
             Machine::Node => format!("{name}.wasm"),
         };
         let program = kept.join(&file);

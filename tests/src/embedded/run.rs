@@ -21,7 +21,9 @@ pub type Report = BTreeMap<String, u64>;
 
 /// Whether the machine's program is installed.
 pub fn is_available(machine: Machine) -> bool {
-    let (program, _) = emulator(machine);
+    let Some((program, _)) = emulator(machine) else {
+        return true;
+    };
     Command::new(program)
         .arg("--version")
         .stdout(Stdio::null())
@@ -81,29 +83,30 @@ pub fn build_plugin(directory: &Path) -> Result<PathBuf> {
     Ok(plugin)
 }
 
-fn emulator(machine: Machine) -> (&'static str, &'static [&'static str]) {
+/// What runs a machine's programs, and how.
+fn emulator(machine: Machine) -> Option<(&'static str, &'static [&'static str])> {
     match machine {
-        Machine::Qemu(program, arguments) => (program, arguments),
-        Machine::Node => ("node", &[]),
+        Machine::Qemu(program, arguments) => Some((program, arguments)),
+        Machine::Node => Some(("node", &[])),
+        Machine::Native => None,
     }
 }
 
 fn command(machine: Machine, program: &Path) -> Command {
-    let (emulator, arguments) = emulator(machine);
+    let Some((emulator, arguments)) = emulator(machine) else {
+        return Command::new(program);
+    };
     let mut command = Command::new(emulator);
     command.args(arguments);
-    match machine {
-        Machine::Qemu(..) => {
-            command.args([
-                "-nographic",
-                "-semihosting-config",
-                "enable=on,target=native",
-            ]);
-            command.arg("-kernel");
-        }
-        Machine::Node => {
-            command.arg(super::firmware::directory().join("run.mjs"));
-        }
+    if machine == Machine::Node {
+        command.arg(super::firmware::directory().join("run.mjs"));
+    } else {
+        command.args([
+            "-nographic",
+            "-semihosting-config",
+            "enable=on,target=native",
+            "-kernel",
+        ]);
     }
     command.arg(program);
     command

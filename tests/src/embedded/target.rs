@@ -20,6 +20,8 @@ pub enum Machine {
     Qemu(&'static str, &'static [&'static str]),
     /// A WebAssembly module in Node.
     Node,
+    /// This machine, by itself.
+    Native,
 }
 
 const ARM: &str = "qemu-system-arm";
@@ -49,7 +51,15 @@ pub const CORTEX_M3: Target = Target {
     machine: Machine::Qemu(ARM, &["-machine", "mps2-an385"]),
 };
 
-/// All of them.
+/// The machine that builds; unlike the tests that run on it, optimised.
+pub const HOST: Target = Target {
+    name: "host",
+    triple: "host",
+    rustflags: &[],
+    machine: Machine::Native,
+};
+
+/// All parts.
 pub const TARGETS: [Target; 8] = [
     CORTEX_M0,
     CORTEX_M3,
