@@ -242,6 +242,8 @@ static float transmittance(const struct scene *scene, const struct ray *ray)
         return 0.0f;
 #endif
 #if GLASS
+    if (sum == 0)
+        return 1.0f;
     return exp2_of(-((float)(sum >> 24) + (float)(sum & 0x00ffffff) / 16777216.0f));
 #else
     return 1.0f;
