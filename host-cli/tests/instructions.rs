@@ -151,8 +151,11 @@ fn count() -> Result<BTreeMap<String, f64>, String> {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("counts");
     let status = Command::new("valgrind")
-        .args(["--tool=callgrind", "--toggle-collect=*counted*"])
-        .args(["--dump-after=*counted*", "--read-inline-info=no"])
+        .args(["--tool=callgrind", "--toggle-collect=instructions::counted"])
+        .args([
+            "--dump-after=instructions::counted",
+            "--read-inline-info=no",
+        ])
         .arg(format!("--callgrind-out-file={}", output.display()))
         .arg(std::env::current_exe().unwrap())
         .args(["--ignored", "--exact", "work", "--test-threads=1"])
