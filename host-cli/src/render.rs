@@ -19,7 +19,7 @@ use crate::wide::lockstep::{self, HEIGHT, Job};
 pub struct Settings {
     /// Longest chain of rays, the eye ray counted as 1; at most [`limits::DEPTH`].
     pub depth: usize,
-    /// As [`Tracer::threshold`].
+    /// As [`whitted::Tracer::threshold`].
     pub threshold: f32,
 }
 

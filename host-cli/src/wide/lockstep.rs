@@ -2,8 +2,8 @@
 //!
 //! Every lane goes through the tracer's own loop and adds up its terms in its order, so that every pixel
 //! has its bits; all arithmetic of shading is by vectors, a lane a pixel. In scenes of few objects, so
-//! are all queries ([`across`]). In larger ones neighbouring pixels' first rays, and their shadow rays,
-//! go down the hierarchy as [packets](super::packet), the others one by one.
+//! are all queries (`across`). In larger ones neighbouring pixels' first rays, and their shadow rays,
+//! go down the hierarchy as packets (`packet`), the others one by one.
 
 use core::ops::Range;
 

@@ -1,7 +1,7 @@
 //! whitted beside other ray tracers, on the same rays and scenes in one run.
 //!
 //! ```sh
-//! cargo run --release -p whitted-bench             # all of it: a quarter of an hour
+//! cargo run --release -p whitted-bench             # all of it: half an hour
 //! cargo run --release -p whitted-bench -- --quick  # some minutes
 //! ```
 //!
