@@ -12,7 +12,6 @@ use std::mem::size_of;
 use whitted::hierarchy::{Child, Node};
 use whitted::{Camera, Light, Object, View};
 
-use crate::hierarchy::FLAT;
 use crate::scene::{self, HostScene, Material};
 use kind::{Baked, Kind, Nodes};
 use source::{VECTOR, WORD, number, vector};
@@ -40,11 +39,12 @@ impl Module {
 
 /// Writes a scene as Rust source, with the camera and the size of a view if there is one.
 pub fn bake(scene: &HostScene<'_>, view: Option<&View>) -> Module {
-    bake_with(scene, view, FLAT)
+    bake_with(scene, view, None)
 }
 
-/// [`bake`] with up to `flat` objects of a kind as a plain slice, and a hierarchy over more.
-pub fn bake_with(scene: &HostScene<'_>, view: Option<&View>, flat: usize) -> Module {
+/// [`bake`] with up to `flat` objects of a kind as a plain slice, and a hierarchy over more; without a
+/// number, as many as are faster so.
+pub fn bake_with(scene: &HostScene<'_>, view: Option<&View>, flat: Option<usize>) -> Module {
     let mut baker = Baker {
         flat,
         ..Baker::default()
@@ -88,8 +88,8 @@ struct Part {
 /// The module while it is written.
 #[derive(Default)]
 struct Baker {
-    /// Most objects of a kind without a hierarchy.
-    flat: usize,
+    /// Most objects of a kind without a hierarchy, if not the kind's own number.
+    flat: Option<usize>,
     terms: Terms,
     /// Of the `whitted` crate.
     imports: BTreeSet<&'static str>,
@@ -171,7 +171,7 @@ impl Baker {
         let bytes = objects.len() * (S::BYTES + WORD) + elsewhere;
         let array = S::ALL.to_uppercase();
         let kind = format!("Object<'static, {}, SceneMaterial>", S::TYPE);
-        let hierarchy = match objects.len() > self.flat {
+        let hierarchy = match objects.len() > self.flat.unwrap_or(S::SLICE) {
             true => S::hierarchy(objects),
             false => None,
         };

@@ -14,10 +14,6 @@ mod sah;
 
 pub use bounds::{Bounded, Bounds};
 
-/// Most objects of one kind that are baked as a plain slice: with more, a hierarchy takes fewer
-/// instructions on a Cortex-M4F (see the chart in `tests/charts`).
-pub const FLAT: usize = 8;
-
 /// What casting a ray costs, in any unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Costs {

@@ -19,6 +19,10 @@ pub trait Kind {
     const ALL: &'static str;
     /// Bytes of one, but for what it points to.
     const BYTES: usize;
+    /// Most objects that are a plain slice; with more, a hierarchy takes fewer instructions of a Cortex-M4F
+    /// (`tests/charts/firmware-hierarchy.svg`). Triangles were measured, and the rest costs about as
+    /// much or more. A hierarchy's code takes flash too, which two objects are not worth.
+    const SLICE: usize = 2;
 
     /// Its source.
     fn source(&self) -> String;
@@ -100,6 +104,7 @@ impl Kind for Sphere {
     const NAME: &'static str = "SPHERE";
     const ALL: &'static str = "Spheres";
     const BYTES: usize = size_of::<Self>();
+    const SLICE: usize = 12;
 
     fn source(&self) -> String {
         let (center, radius) = (vector(self.center), number(self.radius));

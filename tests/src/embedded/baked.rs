@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use glam::Vec3;
 use whitted_cli::bake::bake_with;
-use whitted_cli::hierarchy::FLAT;
 use whitted_cli::render::{Settings, render};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::{self, SceneFile};
@@ -87,10 +86,10 @@ pub const STANDARD: [&str; 6] = [
 ///
 /// Where a scene cannot be built or a file not be written.
 pub fn write(scenes: &Scenes, directory: &Path) -> Result<Vec<(String, Expected)>> {
-    write_with(scenes, directory, FLAT)
+    write_with(scenes, directory, None)
 }
 
-/// [`write`] with a hierarchy over more than `flat` objects of a kind.
+/// [`write`] with a hierarchy over more than `flat` objects of a kind, if that is given.
 ///
 /// # Errors
 ///
@@ -98,7 +97,7 @@ pub fn write(scenes: &Scenes, directory: &Path) -> Result<Vec<(String, Expected)
 pub fn write_with(
     scenes: &Scenes,
     directory: &Path,
-    flat: usize,
+    flat: Option<usize>,
 ) -> Result<Vec<(String, Expected)>> {
     fs::create_dir_all(directory)?;
     let all = scenes.iter().map(|(name, file, [width, height])| {

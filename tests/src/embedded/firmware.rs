@@ -24,8 +24,6 @@ pub struct Request<'a> {
     pub features: &'a [&'a str],
     /// Compiler flags beyond the target's.
     pub rustflags: &'a [&'a str],
-    /// For size instead of speed.
-    pub small: bool,
     /// Where `whitted bake` has put scenes.
     pub baked: Option<&'a Path>,
     /// Build the project at this root instead: a copy of it.
@@ -110,18 +108,12 @@ fn build_group(targets: &[Target], flags: &[&str], request: &Request<'_>) -> Res
             command.args(["--config", &format!("target.{triple}.rustflags=[{list}]")]);
         }
     }
-    if request.small {
-        command.args(["--config", "profile.release.opt-level=\"s\""]);
-    }
     if let Some(baked) = request.baked {
         command.env("WHITTED_BAKED", baked);
     }
     // Flags go into every crate, also into the compiler's own: apart, or all of them would be built
     // again each time that the flags change.
-    let mut apart = flags.join("").replace(['=', ','], "");
-    if request.small {
-        apart += "-small";
-    }
+    let apart = flags.join("").replace(['=', ','], "");
     let directory = build_directory().join(apart);
     command.arg("--target-dir").arg(&directory);
     let output = command.output().context("tests/embedded.sh")?;

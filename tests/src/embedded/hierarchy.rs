@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow};
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
-use whitted_cli::hierarchy::FLAT;
 use whitted_cli::scene_file::{self, SceneFile};
 
 use super::expected::{Expected, Kind};
@@ -184,8 +183,8 @@ fn scenes(counts: &[usize]) -> Result<baked::Scenes> {
 pub fn measure(counts: &[usize], compiler: &str, plugin: &Path) -> Result<Vec<Saving>> {
     let mut savings = Vec::new();
     for scene in scenes(counts)? {
-        let [flat, flat_cycles] = Alone::build(scene.clone(), usize::MAX)?.cost(plugin)?;
-        let [tree, tree_cycles] = Alone::build(scene.clone(), 0)?.cost(plugin)?;
+        let [flat, flat_cycles] = Alone::build(scene.clone(), Some(usize::MAX))?.cost(plugin)?;
+        let [tree, tree_cycles] = Alone::build(scene.clone(), Some(0))?.cost(plugin)?;
         let (name, file, _) = scene;
         let kind = STREWN.into_iter().find(|kind| name.starts_with(kind));
         savings.push(Saving {
@@ -212,7 +211,7 @@ pub fn flash_of(name: &'static str) -> Result<Option<u64>> {
         return Ok(None);
     };
     let (name, file, _) = scenes.into_iter().next().context("no scene")?;
-    Ok(Some(Alone::build((name, file, SIZE), FLAT)?.image.flash))
+    Ok(Some(Alone::build((name, file, SIZE), None)?.image.flash))
 }
 
 /// A scene in a program of its own: what else is in it would change what is inlined.
@@ -222,8 +221,8 @@ struct Alone {
 }
 
 impl Alone {
-    /// Bakes and builds a scene with a hierarchy over more than `flat` objects of a kind.
-    fn build((_, file, size): (String, SceneFile, [u32; 2]), flat: usize) -> Result<Self> {
+    /// Bakes and builds a scene, with a hierarchy over more than `flat` objects of a kind if that is given.
+    fn build((_, file, size): (String, SceneFile, [u32; 2]), flat: Option<usize>) -> Result<Self> {
         let directory = firmware::build_directory().join("baked-counted");
         let scene = ("counted".to_owned(), file, size);
         let baked = baked::write_with(&vec![scene], &directory, flat)?;

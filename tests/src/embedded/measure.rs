@@ -75,11 +75,11 @@ pub fn variants() -> Vec<Variant<'static>> {
         kind: Kind::Rows,
         request: Request::default(),
     };
-    let with = |profile, target, features, small| Variant {
+    let with = |profile, target, features, rustflags| Variant {
         profile,
         request: Request {
             features,
-            small,
+            rustflags,
             ..Request::default()
         },
         ..plain(target)
@@ -92,11 +92,11 @@ pub fn variants() -> Vec<Variant<'static>> {
     variants.extend([
         Variant {
             kind: Kind::Panel,
-            ..with("panel", CORTEX_M4F, &["panel"], false)
+            ..with("panel", CORTEX_M4F, &["panel"], &[])
         },
-        with("size", CORTEX_M4F, &[], true),
-        with("libgcc", CORTEX_M0, &["libgcc"], false),
-        with("libgcc", CORTEX_M3, &["libgcc"], false),
+        with("size", CORTEX_M4F, &[], &["-Ctarget-feature=-slowfpvmlx"]),
+        with("libgcc", CORTEX_M0, &["libgcc"], &[]),
+        with("libgcc", CORTEX_M3, &["libgcc"], &[]),
     ]);
     variants
 }
