@@ -1,5 +1,6 @@
 //! Whole pictures: the same bits by vectors, on any number of threads, as object by object.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
@@ -19,7 +20,13 @@ fn scenes() -> Vec<PathBuf> {
     ];
     match root.join("../shared/scenes/spd").read_dir() {
         Ok(files) => scenes.extend(files.map(|file| file.unwrap().path())),
-        Err(_) => eprintln!("skipped: the standard scenes, which are not here"),
+        Err(_) => {
+            // Not printed: the harness keeps what passing tests print.
+            let _ = writeln!(
+                io::stderr(),
+                "NOT RUN: the standard scenes, which are not here"
+            );
+        }
     }
     scenes
 }

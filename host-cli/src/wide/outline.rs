@@ -113,7 +113,7 @@ fn between<S: Simd, V: Lanes<S>>(t: V, nearest: V, farthest: V) -> V {
     t.simd_lt(nearest).select(nearest, t_or_less)
 }
 
-/// The shear that turns a ray into an axis, as `whitted::shape::polygon::Shear`, without its
+/// The shear that turns a ray into an axis, as in `whitted::shape::polygon`, without its
 /// multiplications by zero.
 struct Shear<V> {
     /// The ray's, on the axes in order.

@@ -1,7 +1,8 @@
 //! Whole frames of the standard sphere scene: what the math policy, the depth and the contribution
 //! threshold cost, and what they save.
 //!
-//! The scene is `tests/golden/spheres.toml`, as `whitted bake --size 64x48` writes it.
+//! The scene is `tests/golden/spheres.toml`, written by `whitted bake --size 64x48` at some time; a test
+//! holds its picture to that of the file.
 
 use core::hash::Hasher;
 

@@ -28,7 +28,7 @@ struct Arguments {
     out: Option<PathBuf>,
     /// Prices methods and frames anew, in QEMU, and writes cycles.csv and frame-cycles.csv. Where the
     /// tools for that are missing, the committed figures serve.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "check")]
     price: bool,
     /// Writes nothing, and fails where a method that whitted uses is not on the front.
     #[arg(long)]

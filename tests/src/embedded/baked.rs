@@ -89,11 +89,11 @@ pub fn write(scenes: &Scenes, directory: &Path) -> Result<Vec<(String, Expected)
     write_with(scenes, directory, None)
 }
 
-/// [`write`] with a hierarchy over more than `flat` objects of a kind, if that is given.
+/// [`write()`] with a hierarchy over more than `flat` objects of a kind, if that is given.
 ///
 /// # Errors
 ///
-/// As [`write`].
+/// As [`write()`].
 pub fn write_with(
     scenes: &Scenes,
     directory: &Path,
