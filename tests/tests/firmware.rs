@@ -16,7 +16,7 @@ use whitted_tests::embedded::firmware::{self, Request};
 use whitted_tests::embedded::hierarchy::{self, Saving};
 use whitted_tests::embedded::image::Image;
 use whitted_tests::embedded::measure::{self, Row, Variant};
-use whitted_tests::embedded::target::{CORTEX_M0, CORTEX_M4F, HOST, Machine, TARGETS, Target};
+use whitted_tests::embedded::target::{CORTEX_M4F, HOST, Machine, TARGETS, Target};
 use whitted_tests::embedded::{baked, chart, run};
 
 /// What the host draws.
@@ -182,7 +182,7 @@ fn measured() -> &'static [Row] {
         let has_goals = |variant: &Variant<'_>| {
             matches!(
                 (variant.profile, variant.target),
-                ("speed", CORTEX_M4F | CORTEX_M0) | ("panel", CORTEX_M4F)
+                ("speed" | "size" | "panel", CORTEX_M4F)
             )
         };
         let variants: Vec<_> = measure::variants().into_iter().filter(has_goals).collect();
@@ -540,16 +540,16 @@ fn changed_by(copy: &Copy, before: &BTreeMap<String, u64>, feature: &Feature) ->
         .collect()
 }
 
-#[test]
-fn features_change_only_programs_that_name_them() {
+/// In a copy of the project, which no other test may have, adds or cuts each feature.
+fn features_change_only_programs_that_name_them(copy: &str, features: &[&Feature]) {
     if compiler().is_none() {
         return not_run("features", "there is no compiler for it");
     }
     let names = firmware::names().unwrap();
     let names: Vec<_> = names.iter().map(String::as_str).collect();
-    let copy = Copy::new("features").unwrap();
+    let copy = Copy::new(copy).unwrap();
     let before = build_copy(&copy, &names).unwrap();
-    for feature in FEATURES {
+    for feature in features {
         let changed = changed_by(&copy, &before, feature);
         let named_by: BTreeSet<_> = before
             .keys()
@@ -572,4 +572,20 @@ fn features_change_only_programs_that_name_them() {
         .find(|feature| feature.name == "boxes")
         .unwrap();
     assert!(changed_by(&copy, &before, cuboid).contains("matte"));
+}
+
+#[test]
+fn what_is_new_or_not_named_changes_no_program() {
+    // New code, and code that some programs name.
+    let some = FEATURES
+        .iter()
+        .filter(|it| ["what no program here names", "boxes"].contains(&it.name));
+    features_change_only_programs_that_name_them("features", &some.collect::<Vec<_>>());
+}
+
+#[test]
+#[ignore = "builds for many minutes: cargo test -p whitted-tests --test firmware -- --ignored"]
+fn no_feature_changes_programs_that_do_not_name_it() {
+    let all: Vec<_> = FEATURES.iter().collect();
+    features_change_only_programs_that_name_them("all-features", &all);
 }
