@@ -2,6 +2,8 @@
 # Everything that whitted needs for bare targets: the tools, the builds, the checks.
 #
 #   tests/embedded.sh                  install what is missing, then build, run and check all of it
+#   tests/embedded.sh long             the checks that take many minutes: large pictures, all of the table,
+#                                      every feature
 #   tests/embedded.sh setup            only install
 #   tests/embedded.sh table            measure, and rewrite tests/charts/firmware.md and .csv
 #   tests/embedded.sh compiler         say which compiler the firmware is built with
@@ -121,6 +123,10 @@ case ${1:-all} in
     setup || [ $? = 77 ]
     say "building with $(say_compiler || true)"
     cd "$root" && exec cargo test -p whitted-tests --test firmware -- --nocapture
+    ;;
+  long)
+    setup || [ $? = 77 ]
+    cd "$root" && exec cargo test -p whitted-tests --test firmware -- --nocapture --ignored
     ;;
   setup) setup ;;
   table) cd "$root" && exec cargo run -p whitted-tests --bin firmware -- table ;;
