@@ -412,22 +412,31 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_ray_through_a_lens_s_center_goes_straight_and_is_weighed_twice() {
-        let clear = glass(0.5, 1.5);
-        let lens = [Object {
+    fn ball<M>(material: &M) -> Object<'_, Sphere, M> {
+        Object {
             shape: Sphere {
                 center: Vec3::ZERO,
                 radius: 1.0,
             },
-            material: &clear,
-        }];
-        let scene = Scene {
-            geometry: lens.as_slice(),
-            lights: &[] as &[Light],
+            material,
+        }
+    }
+
+    /// Objects in front of a white background, which is all the light there is.
+    fn in_the_open<G: ?Sized>(geometry: &G) -> Scene<'static, &G> {
+        Scene {
+            geometry,
+            lights: &[],
             background: Vec3::ONE,
             ambient: Vec3::ZERO,
-        };
+        }
+    }
+
+    #[test]
+    fn a_ray_through_a_lens_s_center_goes_straight_and_is_weighed_twice() {
+        let clear = glass(0.5, 1.5);
+        let lens = [ball(&clear)];
+        let scene = in_the_open(lens.as_slice());
         let ray = Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z);
         let mut tracer = Tracer::<5, Exact, _>::with(Counters::default());
         assert_eq!(tracer.radiance(&scene, ray), Vec3::splat(0.25));
@@ -440,19 +449,8 @@ mod tests {
     #[test]
     fn total_internal_reflection_keeps_the_transmitted_share() {
         let clear = glass(0.5, 1.5);
-        let lens = [Object {
-            shape: Sphere {
-                center: Vec3::ZERO,
-                radius: 1.0,
-            },
-            material: &clear,
-        }];
-        let scene = Scene {
-            geometry: lens.as_slice(),
-            lights: &[] as &[Light],
-            background: Vec3::ONE,
-            ambient: Vec3::ZERO,
-        };
+        let lens = [ball(&clear)];
+        let scene = in_the_open(lens.as_slice());
         // From inside, beyond the critical angle at every bounce: trapped until the depth ends.
         let trapped = Ray::new(Vec3::new(0.9, 0.0, 0.0), Vec3::Y);
         let mut tracer = Tracer::<6, Exact, _>::with(Counters::default());
@@ -476,19 +474,8 @@ mod tests {
                 ior: 1.5,
             },
         };
-        let lens = [Object {
-            shape: Sphere {
-                center: Vec3::ZERO,
-                radius: 1.0,
-            },
-            material: &clear,
-        }];
-        let scene = Scene {
-            geometry: lens.as_slice(),
-            lights: &[] as &[Light],
-            background: Vec3::ONE,
-            ambient: Vec3::ZERO,
-        };
+        let lens = [ball(&clear)];
+        let scene = in_the_open(lens.as_slice());
         let trapped = Ray::new(Vec3::new(0.9, 0.0, 0.0), Vec3::Y);
         let mut tracer = Tracer::<6, Exact, _>::with(Counters::default());
         // Each share is below, both together are not, once.

@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 
 use super::cortex_m4::{DIVIDE, REFILL};
 use super::measure::{Row, in_c};
+use crate::lab;
 
 fn directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("charts")
@@ -24,12 +25,8 @@ fn csv_path() -> PathBuf {
 /// Where they cannot be written.
 pub fn write(rows: &[Row]) -> Result<()> {
     fs::create_dir_all(directory())?;
-    let mut writer = csv::Writer::from_path(csv_path())?;
-    for row in rows {
-        writer.serialize(row)?;
-    }
-    writer.flush()?;
-    fs::write(directory().join("firmware.md"), markdown(rows))?;
+    lab::table(&csv_path(), rows)?;
+    lab::save(&directory().join("firmware.md"), markdown(rows).as_bytes())?;
     Ok(())
 }
 

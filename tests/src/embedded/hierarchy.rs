@@ -13,7 +13,10 @@ use super::firmware::{self, Request};
 use super::image::Image;
 use super::target::CORTEX_M4F;
 use super::{baked, cortex_m4, run};
-use crate::lab::random::{Random, Stream};
+use crate::lab::{
+    self,
+    random::{Random, Stream},
+};
 
 /// Instructions and estimated cycles a pixel for a scene of so many objects.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,11 +63,7 @@ pub fn read() -> Result<Vec<Saving>> {
 ///
 /// Where they cannot be written.
 pub fn write(savings: &[Saving]) -> Result<()> {
-    let mut writer = csv::Writer::from_path(path("csv"))?;
-    for saving in savings {
-        writer.serialize(saving)?;
-    }
-    writer.flush()?;
+    lab::table(&path("csv"), savings)?;
     draw(savings).map_err(|error| anyhow!("{error}"))
 }
 
