@@ -60,12 +60,15 @@
 #![deny(unsafe_code)]
 
 pub mod camera;
+pub mod columns;
 #[doc = include_str!("../FIRMWARE.md")]
 pub mod firmware {}
 pub mod geometry;
+pub mod grid;
 pub mod hierarchy;
 pub mod material;
 pub mod math;
+pub mod maze;
 pub mod picture;
 pub mod ray;
 pub mod scene;
@@ -75,9 +78,11 @@ pub mod trace;
 pub use camera::{Camera, CameraError, View};
 pub use geometry::{Geometry, Object, Objects};
 pub use glam::Vec3;
+pub use grid::Grid;
 pub use hierarchy::{Hierarchy, Node};
 pub use material::{Finish, Glass, Material, Mirror, Phong, PhongReal};
 pub use math::{Exact, Math, Micro};
+pub use maze::Maze;
 pub use picture::Picture;
 pub use ray::{Departure, Hit, Ray, Side};
 pub use scene::{FillLight, Light, LightSource, Scene};
