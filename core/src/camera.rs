@@ -222,11 +222,11 @@ impl View {
 /// See [`View::rays`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rays {
-    eye: Vec3,
-    start: Vec3,
-    step: Vec3,
-    column: u32,
-    width: u32,
+    pub(crate) eye: Vec3,
+    pub(crate) start: Vec3,
+    pub(crate) step: Vec3,
+    pub(crate) column: u32,
+    pub(crate) width: u32,
 }
 
 impl Iterator for Rays {

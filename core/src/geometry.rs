@@ -3,6 +3,7 @@
 //! A slice of one kind of object is a geometry, a pair of geometries is one, and so is a reference to
 //! one. That is all a scene is made of; what its type does not name is not compiled.
 
+use crate::candidates::{Beam, Candidates};
 use crate::material::{Finish, Transmission};
 use crate::math::{self, Exact, Math, Transmittance};
 use crate::ray::{Departure, Hit, Ray, Side};
@@ -48,6 +49,14 @@ pub trait Geometry {
     /// Whether there are none.
     fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The objects that a ray of the beam may meet: all, by default. A part of a geometry takes out some
+    /// of its own.
+    #[inline(always)]
+    fn candidates(&self, beam: &Beam, first: usize) -> Candidates {
+        let _ = (beam, first);
+        Candidates::ALL
     }
 
     /// Finds the nearest point that the ray admits, makes its distance the ray's `t_max`, and tells
@@ -156,6 +165,69 @@ fn leaves<T>((left, side): (*const T, Side), object: &T) -> Option<Side> {
     core::ptr::eq(left, object).then_some(side)
 }
 
+/// [`Geometry::nearest`] for some objects of a slice.
+#[inline(always)]
+pub(crate) fn nearest_of<'o, 'm, S: Shape, M, P: Math>(
+    all: &'o [Object<'m, S, M>],
+    among: impl Iterator<Item = &'o Object<'m, S, M>>,
+    ray: &mut Ray,
+    first: usize,
+) -> Option<usize> {
+    let setup = S::setup(ray);
+    let left = departure(all, ray, first);
+    let mut nearest = None;
+    for object in among {
+        math::keep_rolled();
+        let leaving = leaves(left, object);
+        if let Some(t) = object.shape.intersect::<P>(ray, &setup, leaving) {
+            ray.t_max = t;
+            nearest = Some(object);
+        }
+    }
+    Some(first + all.element_offset(nearest?)?)
+}
+
+/// [`Geometry::blocks`] for some objects of a slice.
+#[inline(always)]
+pub(crate) fn any_blocks<'o, 'm, S: Shape, M, P: Math>(
+    all: &'o [Object<'m, S, M>],
+    mut among: impl Iterator<Item = &'o Object<'m, S, M>>,
+    ray: &Ray,
+    first: usize,
+) -> bool {
+    let setup = S::setup(ray);
+    let left = departure(all, ray, first);
+    among.any(|object| {
+        math::keep_rolled();
+        let leaving = leaves(left, object);
+        object.shape.intersect::<P>(ray, &setup, leaving).is_some()
+    })
+}
+
+/// [`Geometry::absorbs`] for some objects of a slice.
+#[inline(always)]
+pub(crate) fn any_absorbs<'o, 'm, S: Shape, M: Finish, P: Math>(
+    all: &'o [Object<'m, S, M>],
+    mut among: impl Iterator<Item = &'o Object<'m, S, M>>,
+    ray: &Ray,
+    first: usize,
+    light: &mut Transmittance,
+) -> bool {
+    let setup = S::setup(ray);
+    let left = departure(all, ray, first);
+    among.any(|object| {
+        math::keep_rolled();
+        let leaving = leaves(left, object);
+        let times = object.shape.crossings::<P>(ray, &setup, leaving);
+        let factor = object.material.transmission().transmittance();
+        if times > 0 && factor > 0.0 {
+            light.cross(factor, times);
+        }
+        // Also true for NaN.
+        times > 0 && !(factor > 0.0)
+    })
+}
+
 impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
     type Material = M;
 
@@ -166,18 +238,7 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
 
     #[inline]
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
-        let setup = S::setup(ray);
-        let left = departure(self, ray, first);
-        let mut nearest = None;
-        for object in self {
-            math::keep_rolled();
-            let leaving = leaves(left, object);
-            if let Some(t) = object.shape.intersect::<P>(ray, &setup, leaving) {
-                ray.t_max = t;
-                nearest = Some(object);
-            }
-        }
-        Some(first + self.element_offset(nearest?)?)
+        nearest_of::<_, _, P>(self, self.iter(), ray, first)
     }
 
     #[inline]
@@ -194,13 +255,7 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
 
     #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
-        let setup = S::setup(ray);
-        let left = departure(self, ray, first);
-        self.iter().any(|object| {
-            math::keep_rolled();
-            let leaving = leaves(left, object);
-            object.shape.intersect::<P>(ray, &setup, leaving).is_some()
-        })
+        any_blocks::<_, _, P>(self, self.iter(), ray, first)
     }
 
     #[inline]
@@ -208,19 +263,7 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
     where
         M: Finish,
     {
-        let setup = S::setup(ray);
-        let left = departure(self, ray, first);
-        self.iter().any(|object| {
-            math::keep_rolled();
-            let leaving = leaves(left, object);
-            let times = object.shape.crossings::<P>(ray, &setup, leaving);
-            let factor = object.material.transmission().transmittance();
-            if times > 0 && factor > 0.0 {
-                light.cross(factor, times);
-            }
-            // Also true for NaN.
-            times > 0 && !(factor > 0.0)
-        })
+        any_absorbs::<_, _, P>(self, self.iter(), ray, first, light)
     }
 }
 
@@ -230,6 +273,12 @@ impl<A: Geometry, B: Geometry<Material = A::Material>> Geometry for (A, B) {
     #[inline(always)]
     fn len(&self) -> usize {
         self.0.len() + self.1.len()
+    }
+
+    #[inline(always)]
+    fn candidates(&self, beam: &Beam, first: usize) -> Candidates {
+        let left = self.0.candidates(beam, first);
+        left.and(self.1.candidates(beam, first + self.0.len()))
     }
 
     #[inline(always)]
@@ -276,6 +325,11 @@ impl<G: Geometry + ?Sized> Geometry for &G {
     #[inline(always)]
     fn len(&self) -> usize {
         (**self).len()
+    }
+
+    #[inline(always)]
+    fn candidates(&self, beam: &Beam, first: usize) -> Candidates {
+        (**self).candidates(beam, first)
     }
 
     #[inline(always)]

@@ -60,6 +60,7 @@
 #![deny(unsafe_code)]
 
 pub mod camera;
+pub mod candidates;
 pub mod columns;
 #[doc = include_str!("../FIRMWARE.md")]
 pub mod firmware {}
@@ -76,6 +77,7 @@ pub mod shape;
 pub mod trace;
 
 pub use camera::{Camera, CameraError, View};
+pub use candidates::{Beam, Candidates, Culled, LightBuffer};
 pub use geometry::{Geometry, Object, Objects};
 pub use glam::Vec3;
 pub use grid::Grid;

@@ -9,6 +9,9 @@ use micromath::F32Ext;
 
 /// How roots and powers are computed.
 pub trait Math: 'static {
+    /// Whether roots are correctly rounded, and so unit vectors unit length but for rounding.
+    const EXACT: bool;
+
     /// Square root of a number that is at least zero.
     fn sqrt(x: f32) -> f32;
 
@@ -39,6 +42,8 @@ pub struct Exact;
 pub struct Micro;
 
 impl Math for Exact {
+    const EXACT: bool = true;
+
     #[inline(always)]
     fn sqrt(x: f32) -> f32 {
         sqrt(x)
@@ -67,6 +72,8 @@ impl Math for Exact {
 }
 
 impl Math for Micro {
+    const EXACT: bool = false;
+
     #[inline(always)]
     fn sqrt(x: f32) -> f32 {
         F32Ext::sqrt(x)

@@ -47,7 +47,9 @@ where
     P: Math,
     C: Count,
 {
-    view.rays(row).map(move |ray| tracer.radiance(scene, ray))
+    view.rays(row)
+        .towards(&scene.geometry)
+        .map(move |ray| tracer.radiance(scene, ray))
 }
 
 /// A picture that embedded-graphics can draw, computed while it is drawn.
@@ -119,7 +121,10 @@ where
         tracer.depth = self.tracer.depth;
         tracer.threshold = self.tracer.threshold;
         (top..top + height)
-            .flat_map(move |row| self.view.rays(row).skip(left as usize).take(width as usize))
+            .flat_map(move |row| {
+                let rays = self.view.rays(row).towards(&self.scene.geometry);
+                rays.skip(left as usize).take(width as usize)
+            })
             .map(move |ray| {
                 let [red, green, blue] = to_rgb8(tracer.radiance(self.scene, ray));
                 Color::from(Rgb888::new(red, green, blue))

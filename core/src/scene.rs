@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::candidates::Candidates;
+
 /// Everything that is lit and everything that lights it: plain data, so that it can be a `static`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene<'a, G, L = Light> {
@@ -23,6 +25,14 @@ pub trait LightSource {
     fn color(&self) -> Vec3;
     /// Whether objects block it. A constant here keeps shadow rays out of scenes without shadows.
     fn casts_shadows(&self) -> bool;
+
+    /// The objects that may lie between the light and a point at `distance` from it, from where
+    /// `direction`, unit length, leads to the light.
+    #[inline(always)]
+    fn candidates(&self, direction: Vec3, distance: f32) -> Candidates {
+        let _ = (direction, distance);
+        Candidates::ALL
+    }
 }
 
 /// A point light that casts shadows.

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::candidates::Beam;
 use crate::math::Math;
 use crate::ray::{Ray, Side};
 
@@ -70,6 +71,14 @@ pub trait Shape {
     #[inline]
     fn crossings<P: Math>(&self, ray: &Ray, setup: &Self::Setup, leaving: Option<Side>) -> u32 {
         self.intersect::<P>(ray, setup, leaving).is_some() as u32
+    }
+
+    /// Whether surely none of these rays meets it: what [`Culled`](crate::Culled) passes over. No, by
+    /// default.
+    #[inline(always)]
+    fn is_missed(&self, beam: &Beam) -> bool {
+        let _ = beam;
+        false
     }
 
     /// Unit normal of the outward side, where [`intersect`](Self::intersect) put this ray's hit.

@@ -240,6 +240,9 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 self.counters.count(Event::Shadow);
                 let mut shadow = hit.back(direction);
                 shadow.t_max = distance;
+                if P::EXACT {
+                    shadow.candidates = source.candidates(direction, distance);
+                }
                 if <G::Material as Finish>::Transmission::TRANSMITS {
                     passed = scene.geometry.transmittance_by::<P>(&shadow);
                 } else if scene.geometry.blocks::<P>(&shadow, 0) {

@@ -5,6 +5,7 @@ use core::fmt;
 use glam::Vec3;
 
 use super::Shape;
+use crate::candidates::Beam;
 use crate::math::Math;
 use crate::ray::{Ray, Side};
 
@@ -131,6 +132,11 @@ impl Shape for Sphere {
             }
             None => 0,
         }
+    }
+
+    #[inline]
+    fn is_missed(&self, beam: &Beam) -> bool {
+        beam.misses(self)
     }
 
     #[inline(always)]

@@ -411,6 +411,7 @@ impl Owned {
             origin,
             direction,
             t_max,
+            candidates: whitted::Candidates::ALL,
             departure,
         }
     }

@@ -4,10 +4,14 @@
 //! after, at about their places; colors and weights are our own.
 
 use glam::Vec3;
-use whitted::{Glass, Light, Material, Mirror, Object, Objects, Phong, Plane, Scene, Sphere, View};
+use whitted::{
+    Culled, Glass, Light, LightBuffer, Material, Mirror, Object, Phong, Plane, Scene, Sphere, View,
+};
 
 use super::checkerboard::Checkerboard;
 use super::{Visitor, level_view};
+
+type Buffer = LightBuffer<i8, 512>;
 
 const fn ball<M>(center: Vec3, radius: f32, material: &M) -> Object<'_, Sphere, M> {
     Object {
@@ -75,12 +79,13 @@ pub mod six_spheres {
         ball(Vec3::new(-0.75, 0.375, -1.5), 0.375, &BLUE),
         ball(Vec3::new(1.5, 0.25, -1.25), 0.25, &SILVER),
     ];
-    static LIGHTS: [Light; 1] = [light(Vec3::new(-3.0, 6.0, 2.0), 1.0)];
+    const LAMP: Light = light(Vec3::new(-3.0, 6.0, 2.0), 1.0);
+    static LIGHTS: [Buffer; 1] = [Buffer::new(LAMP, &BALLS)];
 
-    type Geometry = (Objects<Sphere, M>, Checkerboard<'static, M>);
-    pub(super) static SCENE: Scene<'static, Geometry> = Scene {
+    type Geometry = (Culled<'static, Sphere, M, 6>, Checkerboard<'static, M>);
+    pub(super) static SCENE: Scene<'static, Geometry, Buffer> = Scene {
         geometry: (
-            &BALLS,
+            Culled(&BALLS),
             Checkerboard {
                 tiles: [floor(0.0, &WHITE)],
                 others: &BLACK,
@@ -125,12 +130,13 @@ pub mod c_ray {
         ball(Vec3::new(0.0, -1000.0, -5.0), 999.0, &GROUND),
         ball(Vec3::new(0.0, 0.0, -6.0), 1.0, &GREY),
     ];
-    static LIGHTS: [Light; 2] = [
+    const LAMPS: [Light; 2] = [
         light(Vec3::new(-50.0, 100.0, 50.0), 1.0),
         light(Vec3::new(40.0, 40.0, 150.0), 0.5),
     ];
-    pub(super) static SCENE: Scene<'static, Objects<Sphere, M>> = Scene {
-        geometry: &BALLS,
+    static LIGHTS: [Buffer; 2] = [Buffer::new(LAMPS[0], &BALLS), Buffer::new(LAMPS[1], &BALLS)];
+    pub(super) static SCENE: Scene<'static, Culled<Sphere, M, 4>, Buffer> = Scene {
+        geometry: Culled(&BALLS),
         lights: &LIGHTS,
         background: Vec3::new(0.0, 0.0, 0.0),
         ambient: Vec3::ZERO,
@@ -181,16 +187,21 @@ pub mod tiny {
         ball(Vec3::new(1.5, -0.5, -18.0), 3.0, &RUBBER),
         ball(Vec3::new(7.0, 5.0, -18.0), 4.0, &MIRROR),
     ];
-    static LIGHTS: [Light; 3] = [
+    const LAMPS: [Light; 3] = [
         light(Vec3::new(-20.0, 20.0, 20.0), 1.5),
         light(Vec3::new(30.0, 50.0, -25.0), 1.75),
         light(Vec3::new(30.0, 20.0, 30.0), 1.75),
     ];
+    static LIGHTS: [Buffer; 3] = [
+        Buffer::new(LAMPS[0], &BALLS),
+        Buffer::new(LAMPS[1], &BALLS),
+        Buffer::new(LAMPS[2], &BALLS),
+    ];
 
-    type Geometry = (Objects<Sphere, M>, Checkerboard<'static, M>);
-    pub(super) static SCENE: Scene<'static, Geometry> = Scene {
+    type Geometry = (Culled<'static, Sphere, M, 4>, Checkerboard<'static, M>);
+    pub(super) static SCENE: Scene<'static, Geometry, Buffer> = Scene {
         geometry: (
-            &BALLS,
+            Culled(&BALLS),
             Checkerboard {
                 tiles: [floor(-4.0, &WHITE)],
                 others: &AMBER,
