@@ -44,6 +44,7 @@ use crate::shape::Shape;
 use crate::shape::cuboid::Cuboid;
 use crate::shape::frustum::Frustum;
 use crate::shape::polygon::Axis;
+use crate::shape::quadric::Quadric;
 use crate::shape::sphere::Sphere;
 
 /// What a box is round: a node, or some objects next to each other.
@@ -160,6 +161,7 @@ pub trait Solid: Shape {}
 impl Solid for Sphere {}
 impl Solid for Cuboid {}
 impl Solid for Frustum {}
+impl Solid for Quadric {}
 
 /// What is put round objects of kind `S`.
 pub trait Bound<S> {

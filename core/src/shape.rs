@@ -11,6 +11,7 @@ pub mod frustum;
 pub mod patch;
 pub mod plane;
 pub mod polygon;
+pub mod quadric;
 pub mod sphere;
 pub mod triangle;
 

@@ -79,7 +79,13 @@ impl Cuboid {
 /// A ray along the planes is always between them or never: dividing by its zero would make 0/0 of an
 /// origin that lies on one of them.
 #[inline(always)]
-fn slab(origin: f32, direction: f32, reciprocal: f32, min: f32, max: f32) -> Option<(f32, f32)> {
+pub(super) fn slab(
+    origin: f32,
+    direction: f32,
+    reciprocal: f32,
+    min: f32,
+    max: f32,
+) -> Option<(f32, f32)> {
     let (to_min, to_max) = (min - origin, max - origin);
     if direction > 0.0 {
         Some((to_min * reciprocal, to_max * reciprocal))

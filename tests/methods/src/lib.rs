@@ -18,6 +18,7 @@ pub mod plane;
 pub mod polygon;
 pub mod power;
 pub mod price;
+pub mod quadric;
 pub mod roots;
 pub mod secondary;
 pub mod sphere;

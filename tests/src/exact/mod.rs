@@ -22,6 +22,7 @@ pub mod frustum;
 pub mod number;
 pub mod plane;
 pub mod polygon;
+pub mod quadric;
 pub mod sphere;
 
 use number::{Bounded, Exact};
@@ -356,6 +357,12 @@ mod tests {
             compare(
                 frustum::solve::<Bounded>(&tangent, &frustum),
                 frustum::solve::<Exact>(&tangent, &frustum),
+            );
+            let solid = crate::lab::quadric::quadric(&mut random, 0.0, whitted::Ends::Closed);
+            let solid = crate::lab::quadric::exact_quadric(&solid);
+            compare(
+                quadric::solve::<Bounded>(&tangent, &solid),
+                quadric::solve::<Exact>(&tangent, &solid),
             );
             let mut whole = || [0; 3].map(|_| random.below(5) as f32 - 2.0);
             let lattice = Line {

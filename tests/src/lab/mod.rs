@@ -10,6 +10,7 @@ pub mod mesh;
 pub mod plane;
 pub mod polygon;
 pub mod pricing;
+pub mod quadric;
 pub mod random;
 pub mod roots;
 pub mod secondary;
@@ -93,6 +94,7 @@ pub fn measure(
     stage::<polygon::Polygons>(&mut rows, plan, &wanted, progress);
     stage::<cuboid::Cuboids>(&mut rows, plan, &wanted, progress);
     stage::<frustum::Frusta>(&mut rows, plan, &wanted, progress);
+    stage::<quadric::Quadrics>(&mut rows, plan, &wanted, progress);
     stage::<secondary::Secondary>(&mut rows, plan, &wanted, progress);
     stage::<roots::Sqrt>(&mut rows, plan, &wanted, progress);
     stage::<roots::Rsqrt>(&mut rows, plan, &wanted, progress);
@@ -237,13 +239,13 @@ mod tests {
     #[test]
     fn whitted_is_within_its_bounds_and_the_text_books_are_not() {
         let intersections = [
-            "sphere", "plane", "triangle", "polygon", "cuboid", "frustum",
+            "sphere", "plane", "triangle", "polygon", "cuboid", "frustum", "quadric",
         ];
         let results = measure(PLAN, |stage| intersections.contains(&stage), &|_, _| {});
         for stage in intersections {
             let (backward, band) = worst(&results, stage, "core");
             // A plane's distance is a quotient of two sums of three products.
-            let is_quadric = ["sphere", "cuboid", "frustum"].contains(&stage);
+            let is_quadric = ["sphere", "cuboid", "frustum", "quadric"].contains(&stage);
             let most = if is_quadric { 2.0 } else { 2.5 };
             assert!(backward <= most, "{stage}: {backward} u");
             // The horizon: the sign of three products that cancel.
@@ -256,6 +258,7 @@ mod tests {
             ("polygon", "angles, acos"),
             ("cuboid", "o/d folded"),
             ("frustum", "plain"),
+            ("quadric", "shift"),
         ] {
             let (backward, band) = worst(&results, stage, method);
             assert!(
