@@ -192,8 +192,9 @@ impl<G: Geometry> ExactSizeIterator for Aimed<'_, G> {}
 
 /// Objects of one kind, at most 31, of which a ray tests its [`Candidates`] only.
 ///
-/// Pays where there are more objects than a pixel shows: from two spheres on, up to the number at
-/// which a [`Hierarchy`](crate::Hierarchy) is faster. The answers are those of the plain slice.
+/// Pays where there are more objects than a pixel shows. 31 spheres, with a [`LightBuffer`], take a
+/// fifth of the plain slice's instructions and 0.4 of those of a [`Hierarchy`](crate::Hierarchy)'s
+/// (`tests/charts/firmware-hierarchy.svg`), where nothing mirrors. The answers are the plain slice's.
 #[derive(Debug, PartialEq)]
 pub struct Culled<'a, S, M, const N: usize>(pub &'a [Object<'a, S, M>; N]);
 

@@ -331,7 +331,8 @@ impl core::error::Error for HierarchyError {}
 /// of stack for each. `I` holds places: `u8` or `u16`, or `usize` where there are more than 2^16
 /// objects.
 ///
-/// On a Cortex-M4F the slice itself is faster up to about a dozen spheres, or two triangles. By the [`Micro`](crate::Micro) policy hits
+/// On a Cortex-M4F a plain slice is faster up to about a dozen spheres, or two triangles, and a
+/// [`Culled`](crate::Culled) one wherever there can be one and nothing mirrors. By the [`Micro`](crate::Micro) policy hits
 /// lie off their surfaces by percents of a radius, and those off their bounds may be missed.
 #[derive(Debug, PartialEq)]
 pub struct Hierarchy<'a, S, M, B, const DEPTH: usize, I = u16> {

@@ -39,14 +39,27 @@ impl Module {
 
 /// Writes a scene as Rust source, with the camera and the size of a view if there is one.
 pub fn bake(scene: &HostScene<'_>, view: Option<&View>) -> Module {
-    bake_with(scene, view, None)
+    bake_with(scene, view, Layout::Fastest)
 }
 
-/// [`bake`] with up to `flat` objects of a kind as a plain slice, and a hierarchy over more; without a
-/// number, as many as are faster so.
-pub fn bake_with(scene: &HostScene<'_>, view: Option<&View>, flat: Option<usize>) -> Module {
+/// How the objects of a kind are put into flash.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Layout {
+    /// As takes the fewest instructions of a Cortex-M4F.
+    #[default]
+    Fastest,
+    /// As plain slices.
+    Slices,
+    /// As slices that pass over what a ray cannot meet, where their kind and number allow.
+    Culled,
+    /// In hierarchies, where there are two objects at least.
+    Hierarchies,
+}
+
+/// [`bake`] with a layout of choice.
+pub fn bake_with(scene: &HostScene<'_>, view: Option<&View>, layout: Layout) -> Module {
     let mut baker = Baker {
-        flat,
+        layout,
         ..Baker::default()
     };
     macro_rules! each_kind {
@@ -71,6 +84,11 @@ pub fn bake_with(scene: &HostScene<'_>, view: Option<&View>, flat: Option<usize>
 
 /// What a waiting ray takes of the stack, as [`whitted::Tracer`] says.
 const WAITING_RAY: usize = 40;
+/// Of a light that knows what lies in which direction.
+const MANY_CELLS: usize = 512;
+/// The same where all lights would take more than [`MOST_CELL_BYTES`] so.
+const FEW_CELLS: usize = 64;
+const MOST_CELL_BYTES: usize = 4096;
 /// What a waiting box takes, as [`whitted::Hierarchy`] says.
 const WAITING_BOX: usize = 8;
 
@@ -88,8 +106,9 @@ struct Part {
 /// The module while it is written.
 #[derive(Default)]
 struct Baker {
-    /// Most objects of a kind without a hierarchy, if not the kind's own number.
-    flat: Option<usize>,
+    layout: Layout,
+    /// How many objects lights know the directions of: the first, culled ones.
+    culled: usize,
     terms: Terms,
     /// Of the `whitted` crate.
     imports: BTreeSet<&'static str>,
@@ -101,7 +120,7 @@ struct Baker {
     bounds: BTreeSet<&'static str>,
     /// The longest path through any tree; 0 without trees.
     tree_depth: usize,
-    light: &'static str,
+    light: String,
     /// What comes after the scene itself.
     items: String,
     bytes: Vec<(String, usize)>,
@@ -171,11 +190,28 @@ impl Baker {
         let bytes = objects.len() * (S::BYTES + WORD) + elsewhere;
         let array = S::ALL.to_uppercase();
         let kind = format!("Object<'static, {}, SceneMaterial>", S::TYPE);
-        let hierarchy = match objects.len() > self.flat.unwrap_or(S::SLICE) {
-            true => S::hierarchy(objects),
-            false => None,
+        let layout = match self.layout {
+            Layout::Fastest => S::fastest(objects.len()),
+            layout => layout,
+        };
+        let hierarchy = match layout {
+            Layout::Hierarchies => S::hierarchy(objects),
+            _ => None,
         };
         match hierarchy {
+            None if layout == Layout::Culled && S::CULLED.contains(&objects.len()) => {
+                debug_assert!(self.parts.is_empty(), "lights count from the first object");
+                self.culled = objects.len();
+                self.import(&["Culled"]);
+                self.array(&array, &kind, sources.len(), bytes, &sources);
+                let (shape, count) = (S::TYPE, objects.len());
+                self.parts.push(Part {
+                    name: S::ALL,
+                    definition: format!("Culled<'static, {shape}, SceneMaterial, {count}>"),
+                    value: format!("Culled(&{array})"),
+                    bytes: WORD,
+                });
+            }
             None => {
                 self.import(&["Objects"]);
                 self.array(&array, &kind, sources.len(), bytes, &sources);
@@ -279,31 +315,52 @@ impl Baker {
     fn lights(&mut self, lights: &[scene::Light]) {
         let with_shadows = lights.iter().filter(|it| it.shadows).count();
         let mixed = with_shadows > 0 && with_shadows < lights.len();
-        let (kind, size) = if mixed {
-            self.import(&["LightSource"]);
-            ("Lamp", size_of::<Light>() + WORD)
-        } else if with_shadows > 0 {
-            self.import(&["Light"]);
-            ("Light", size_of::<Light>())
-        } else {
+        let point = size_of::<Light>();
+        // What a light with shadows is, and its bytes.
+        let (light, size) = if with_shadows == 0 {
             self.import(&["FillLight"]);
-            ("FillLight", size_of::<Light>())
+            ("FillLight".to_owned(), point)
+        } else if self.culled > 0 {
+            self.import(&["Light", "LightBuffer"]);
+            let (cell, size) = match self.culled {
+                0..=7 => ("i8", 1),
+                8..=15 => ("i16", 2),
+                _ => ("i32", 4),
+            };
+            let cells = match lights.len() * size * MANY_CELLS {
+                ..=MOST_CELL_BYTES => MANY_CELLS,
+                _ => FEW_CELLS,
+            };
+            // Beside the cells, a window and a reach.
+            let size = point + 2 * VECTOR + WORD + cells * size;
+            (format!("LightBuffer<{cell}, {cells}>"), size)
+        } else {
+            self.import(&["Light"]);
+            ("Light".to_owned(), point)
         };
-        self.light = kind;
         let source = |it: &scene::Light| {
             let (position, color) = (vector(it.position), vector(it.color));
-            let shadows = if mixed {
-                format!(", shadows: {}", it.shadows)
-            } else {
-                String::new()
+            let fields = format!("{{ position: {position}, color: {color} }}");
+            let source = match light.strip_prefix("LightBuffer") {
+                Some(kind) => format!("LightBuffer::{kind}::new(Light {fields}, &SPHERES)"),
+                None => format!("{light} {fields}"),
             };
-            format!("{kind} {{ position: {position}, color: {color}{shadows} }}")
+            match mixed {
+                true => format!("Lamp {{ light: {source}, shadows: {} }}", it.shadows),
+                false => source,
+            }
         };
         let sources: Vec<_> = lights.iter().map(source).collect();
+        let (kind, size) = match mixed {
+            true => ("Lamp", size + WORD),
+            false => (light.as_str(), size),
+        };
         self.array("LIGHTS", kind, lights.len(), lights.len() * size, &sources);
         if mixed {
-            self.items.push_str(LAMP);
+            self.import(&["Candidates", "LightSource"]);
+            self.items.push_str(&LAMP.replace("LIGHT", &light));
         }
+        self.light = kind.to_owned();
     }
 
     /// The whole module.
@@ -484,22 +541,25 @@ const fn b(center: Vec3, radius: f32, link: u32) -> Child<Ball> {
 const LAMP: &str = "
 /// A point light that casts shadows or not.
 pub struct Lamp {
-    position: Vec3,
-    color: Vec3,
+    light: LIGHT,
     shadows: bool,
 }
 
 impl LightSource for Lamp {
     fn position(&self) -> Vec3 {
-        self.position
+        self.light.position()
     }
 
     fn color(&self) -> Vec3 {
-        self.color
+        self.light.color()
     }
 
     fn casts_shadows(&self) -> bool {
         self.shadows
+    }
+
+    fn candidates(&self, direction: Vec3, distance: f32) -> Candidates {
+        self.light.candidates(direction, distance)
     }
 }
 ";

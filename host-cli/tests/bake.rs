@@ -141,6 +141,29 @@ fn tiny() -> Baked {
     Baked::toml("tiny", scene)
 }
 
+/// A few balls of glass and chalk, one of them so large that it is the floor, under lights with
+/// shadows and without.
+fn few() -> Baked {
+    let mut scene = format!(
+        "depth = 4\nbackground = [0.1, 0.2, 0.3]\n{CAMERA}\
+         [[light]]\nposition = [3, 5, 4]\ncolor = [0.9, 0.8, 0.7]\n\
+         [[light]]\nposition = [-300, 500, 100]\ncolor = [0.2, 0.2, 0.4]\n\
+         [[light]]\nposition = [0, 0.2, 0.2]\ncolor = [0.2, 0.3, 0.2]\nshadows = false\n\
+         [material.glass]\ncolor = [1, 1, 1]\ndiffuse = 0.1\ntransmittance = 0.8\nior = 1.4\n\
+         [material.chalk]\ncolor = [0.7, 0.7, 0.6]\n\
+         [[sphere]]\ncenter = [0, -100, 0]\nradius = 99.5\nmaterial = 'chalk'\n"
+    );
+    for i in 0..8 {
+        let (x, y) = (i as f32 * 0.35 - 1.4, (i * 5 % 7) as f32 * 0.2);
+        let (z, material) = ((i * 3 % 8) as f32 * 0.2 - 0.8, ["chalk", "glass"][i % 2]);
+        let _ = writeln!(
+            scene,
+            "[[sphere]]\ncenter = [{x}, {y}, {z}]\nradius = 0.25\nmaterial = '{material}'"
+        );
+    }
+    Baked::toml("few", &scene)
+}
+
 fn nothing() -> Baked {
     Baked::toml(
         "nothing",
@@ -202,6 +225,10 @@ fn types_name_what_the_scene_uses() {
         &["PhongReal", "Glass", "Lamp", "Frustum"],
         &["Mirror", "Phong", "Hierarchy", "Triangle"],
     );
+    few().assert_names(
+        &["Culled", "LightBuffer", "Lamp", "i16", "512", "Glass"],
+        &["Hierarchy", "FillLight", "Mirror"],
+    );
     for (baked, depth) in [(matte(), 1), (crowd(), 4), (tiny(), 5)] {
         let line = format!("pub const DEPTH: usize = {depth};");
         assert!(baked.module.text.contains(&line), "{}", baked.name);
@@ -225,6 +252,10 @@ fn what_each_array_takes_is_said() {
     assert_eq!(bytes("SPHERE_PLACES"), 80);
     assert_eq!(bytes("LIGHTS"), 24);
     assert_eq!(bytes("MATERIALS"), 2 * (12 + 8 + 8 + 4));
+    let few = few().module;
+    let lights = few.bytes.iter().find(|it| it.0 == "LIGHTS").unwrap().1;
+    // A light, a window, a reach, cells of two bytes, and whether it casts shadows.
+    assert_eq!(lights, 3 * (24 + 24 + 4 + 512 * 2 + 4));
     let all: usize = crowd.bytes.iter().map(|it| it.1).sum();
     assert_eq!(crowd.flash(), all);
     for (name, bytes) in &crowd.bytes {
@@ -254,7 +285,7 @@ fn cargo() -> Command {
 
 #[test]
 fn baked_scenes_show_the_bits_of_their_files() {
-    let mut scenes = vec![matte(), crowd(), tiny(), nothing(), builtin()];
+    let mut scenes = vec![matte(), crowd(), tiny(), few(), nothing(), builtin()];
     scenes.extend(standard());
     let source = place().join("src");
     fs::create_dir_all(&source).unwrap();
@@ -311,8 +342,7 @@ macro_rules! show {
         let mut tracer = whitted::Tracer::<{ $scene::DEPTH }>::new();
         let mut checksum = 0xcbf2_9ce4_8422_2325;
         for row in 0..$scene::VIEW.height {
-            for ray in $scene::VIEW.rays(row) {
-                let color = tracer.radiance(&$scene::SCENE, ray);
+            for color in whitted::picture::row(&$scene::SCENE, &$scene::VIEW, row, &mut tracer) {
                 checksum = color.to_array().into_iter().fold(checksum, fnv);
             }
         }

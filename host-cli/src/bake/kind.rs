@@ -1,10 +1,12 @@
 //! The kinds of shapes, and whether a hierarchy over them pays.
 
 use std::mem::size_of;
+use std::ops::RangeInclusive;
 
 use whitted::hierarchy::{Aabb, Ball, Node};
 use whitted::{Cuboid, Frustum, Object, Patch, Plane, Polygon, Sphere, Triangle};
 
+use super::Layout;
 use super::source::{VECTOR, WORD, number, vector, vectors};
 use crate::hierarchy::{Bounded, Costs, Settings, Tree};
 use crate::scene::Material;
@@ -19,10 +21,23 @@ pub trait Kind {
     const ALL: &'static str;
     /// Bytes of one, but for what it points to.
     const BYTES: usize;
-    /// Most objects that are a plain slice; with more, a hierarchy takes fewer instructions of a Cortex-M4F
+    /// How many objects may be a slice that passes over what a ray cannot meet.
+    const CULLED: RangeInclusive<usize> = RangeInclusive::new(1, 0);
+    /// Most objects that are a plain or a culled slice; with more, a hierarchy takes fewer instructions of a Cortex-M4F
     /// (`tests/charts/firmware-hierarchy.svg`). Triangles were measured, and the rest costs about as
     /// much or more. A hierarchy's code takes flash too, which two objects are not worth.
     const SLICE: usize = 2;
+
+    /// What takes the fewest instructions for so many.
+    fn fastest(count: usize) -> Layout {
+        if count > Self::SLICE {
+            Layout::Hierarchies
+        } else if Self::CULLED.contains(&count) {
+            Layout::Culled
+        } else {
+            Layout::Slices
+        }
+    }
 
     /// Its source.
     fn source(&self) -> String;
@@ -105,7 +120,8 @@ impl Kind for Sphere {
     const NAME: &'static str = "SPHERE";
     const ALL: &'static str = "Spheres";
     const BYTES: usize = size_of::<Self>();
-    const SLICE: usize = 12;
+    const CULLED: RangeInclusive<usize> = 2..=31;
+    const SLICE: usize = 31;
 
     fn source(&self) -> String {
         let (center, radius) = (vector(self.center), number(self.radius));

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use glam::Vec3;
-use whitted_cli::bake::bake_with;
+use whitted_cli::bake::{Layout, bake_with};
 use whitted_cli::render::{Settings, render};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::{self, SceneFile};
@@ -86,10 +86,10 @@ pub const STANDARD: [&str; 6] = [
 ///
 /// Where a scene cannot be built or a file not be written.
 pub fn write(scenes: &Scenes, directory: &Path) -> Result<Vec<(String, Expected)>> {
-    write_with(scenes, directory, None)
+    write_with(scenes, directory, Layout::Fastest)
 }
 
-/// [`write()`] with a hierarchy over more than `flat` objects of a kind, if that is given.
+/// [`write()`] with a layout of choice.
 ///
 /// # Errors
 ///
@@ -97,7 +97,7 @@ pub fn write(scenes: &Scenes, directory: &Path) -> Result<Vec<(String, Expected)
 pub fn write_with(
     scenes: &Scenes,
     directory: &Path,
-    flat: Option<usize>,
+    layout: Layout,
 ) -> Result<Vec<(String, Expected)>> {
     fs::create_dir_all(directory)?;
     let all = scenes.iter().map(|(name, file, [width, height])| {
@@ -106,7 +106,7 @@ pub fn write_with(
         let view = scene.camera(*width, *height)?;
         let view = view.with_context(|| format!("{name} has no camera"))?;
         let path: PathBuf = directory.join(format!("{name}.rs"));
-        write_changed(&path, &bake_with(&scene, Some(&view), flat).text)?;
+        write_changed(&path, &bake_with(&scene, Some(&view), layout).text)?;
         let settings = Settings {
             depth: file.depth,
             threshold: 0.0,

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow};
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
+use whitted_cli::bake::Layout;
 use whitted_cli::scene_file::{self, SceneFile};
 
 use super::expected::{Expected, Kind};
@@ -29,16 +30,23 @@ pub struct Saving {
     pub objects: usize,
     /// Instructions, as a plain slice.
     pub flat: f64,
+    /// Instructions, as a slice that passes over what a ray cannot meet.
+    pub culled: Option<f64>,
     /// Instructions, in a hierarchy.
     pub tree: f64,
     /// Cycles, as a plain slice.
     pub flat_cycles: f64,
+    /// Cycles, as a slice that passes over what a ray cannot meet.
+    pub culled_cycles: Option<f64>,
     /// Cycles, in a hierarchy.
     pub tree_cycles: f64,
 }
 
 /// From few objects to many.
-pub const COUNTS: [usize; 9] = [2, 4, 6, 8, 10, 12, 16, 32, 64];
+pub const COUNTS: [usize; 10] = [2, 4, 6, 8, 10, 12, 16, 24, 31, 64];
+/// What is culled, and up to how many.
+const CULLED: &str = "spheres";
+const MOST_CULLED: usize = 31;
 const STREWN: [&str; 2] = ["spheres", "triangles"];
 const SIZE: [u32; 2] = [32, 24];
 
@@ -93,17 +101,19 @@ fn draw(savings: &[Saving]) -> Result<(), Box<dyn std::error::Error>> {
         .draw()?;
     let colors = [RGBColor(200, 30, 45), RGBColor(30, 60, 120)];
     for (kind, color) in STREWN.into_iter().zip(colors) {
-        for name in ["as a slice", "in a hierarchy"] {
-            let is_slice = name == "as a slice";
+        type Cost = fn(&Saving) -> Option<f64>;
+        let series: [(_, Cost, _); 3] = [
+            ("as a slice", |it| Some(it.flat), 1),
+            ("as a culled slice", |it| it.culled, 2),
+            ("in a hierarchy", |it| Some(it.tree), 3),
+        ];
+        for (name, cost, width) in series {
+            let is_slice = width == 1;
             let of_kind = savings.iter().filter(|saving| saving.scene == kind);
             let points: Vec<_> = of_kind
-                .map(|saving| {
-                    let cost = if is_slice { saving.flat } else { saving.tree };
-                    (saving.objects as f64, cost)
-                })
+                .filter_map(|saving| Some((saving.objects as f64, cost(saving)?)))
                 .collect();
             let Some(&last) = points.last() else { continue };
-            let width = if is_slice { 1 } else { 3 };
             let style = color.stroke_width(width);
             chart.draw_series(LineSeries::new(points, style).point_size(width + 1))?;
             let (x, y) = chart.backend_coord(&last);
@@ -182,8 +192,11 @@ fn scenes(counts: &[usize]) -> Result<baked::Scenes> {
 pub fn measure(counts: &[usize], compiler: &str, plugin: &Path) -> Result<Vec<Saving>> {
     let mut savings = Vec::new();
     for scene in scenes(counts)? {
-        let [flat, flat_cycles] = Alone::build(scene.clone(), Some(usize::MAX))?.cost(plugin)?;
-        let [tree, tree_cycles] = Alone::build(scene.clone(), Some(0))?.cost(plugin)?;
+        let cost = |layout| Alone::build(scene.clone(), layout)?.cost(plugin);
+        let [flat, flat_cycles] = cost(Layout::Slices)?;
+        let [tree, tree_cycles] = cost(Layout::Hierarchies)?;
+        let is_culled = scene.0.starts_with(CULLED) && scene.1.objects.len() <= MOST_CULLED;
+        let culled = is_culled.then(|| cost(Layout::Culled)).transpose()?;
         let (name, file, _) = scene;
         let kind = STREWN.into_iter().find(|kind| name.starts_with(kind));
         savings.push(Saving {
@@ -191,8 +204,10 @@ pub fn measure(counts: &[usize], compiler: &str, plugin: &Path) -> Result<Vec<Sa
             scene: kind.map_or(name, str::to_owned),
             objects: file.objects.len(),
             flat,
+            culled: culled.map(|it| it[0]),
             tree,
             flat_cycles,
+            culled_cycles: culled.map(|it| it[1]),
             tree_cycles,
         });
     }
@@ -210,7 +225,11 @@ pub fn flash_of(name: &'static str) -> Result<Option<u64>> {
         return Ok(None);
     };
     let (name, file, _) = scenes.into_iter().next().context("no scene")?;
-    Ok(Some(Alone::build((name, file, SIZE), None)?.image.flash))
+    Ok(Some(
+        Alone::build((name, file, SIZE), Layout::Fastest)?
+            .image
+            .flash,
+    ))
 }
 
 /// A scene in a program of its own: what else is in it would change what is inlined.
@@ -220,11 +239,11 @@ struct Alone {
 }
 
 impl Alone {
-    /// Bakes and builds a scene, with a hierarchy over more than `flat` objects of a kind if that is given.
-    fn build((_, file, size): (String, SceneFile, [u32; 2]), flat: Option<usize>) -> Result<Self> {
+    /// Bakes and builds a scene.
+    fn build((_, file, size): (String, SceneFile, [u32; 2]), layout: Layout) -> Result<Self> {
         let directory = firmware::build_directory().join("baked-counted");
         let scene = ("counted".to_owned(), file, size);
-        let baked = baked::write_with(&vec![scene], &directory, flat)?;
+        let baked = baked::write_with(&vec![scene], &directory, layout)?;
         let request = Request {
             programs: &["frame-counted"],
             features: &["counted"],
