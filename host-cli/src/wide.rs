@@ -15,14 +15,16 @@
 
 /// Evaluates `$call` with the tree, a token and perhaps the way to search, compiled for them.
 macro_rules! with_tree {
-    ($wide:expr, |$tree:ident, $simd:ident| $call:expr) => {
-        match &$wide.tree {
+    ($any:expr, |$tree:ident, $simd:ident| $call:expr) => {
+        match $any {
             #[cfg(target_arch = "x86_64")]
             $crate::wide::AnyTree::Avx512(token, $tree) => with_tree!(token, |$simd| $call),
             #[cfg(target_arch = "x86_64")]
             $crate::wide::AnyTree::Avx2(token, $tree) => with_tree!(token, |$simd| $call),
             #[cfg(target_arch = "x86_64")]
-            $crate::wide::AnyTree::Sse2(token, $tree) => with_tree!(token, |$simd| $call),
+            $crate::wide::AnyTree::Sse2(token, $tree) => {
+                $crate::wide::apart(|| with_tree!(token, |$simd| $call))
+            }
             #[cfg(not(target_arch = "x86_64"))]
             $crate::wide::AnyTree::Other(level, $tree) => {
                 fearless_simd::dispatch!(*level, $simd => $call)
@@ -37,17 +39,17 @@ macro_rules! with_tree {
             || $call,
         )
     }};
-    ($wide:expr, |$tree:ident, $simd:ident, $search:ident| $call:expr) => {
-        match $wide.search {
-            Search::Spheres => with_tree!(Spheres, $wide, |$tree, $simd, $search| $call),
-            Search::Blocks => with_tree!(Blocks, $wide, |$tree, $simd, $search| $call),
-            Search::SolidBoxes => with_tree!(SolidBoxes, $wide, |$tree, $simd, $search| $call),
-            Search::Boxes => with_tree!(Boxes, $wide, |$tree, $simd, $search| $call),
+    ($any:expr, $search:expr, |$tree:ident, $simd:ident, $way:ident| $call:expr) => {
+        match $search {
+            Search::Spheres => with_tree!(@ Spheres, $any, |$tree, $simd, $way| $call),
+            Search::Blocks => with_tree!(@ Blocks, $any, |$tree, $simd, $way| $call),
+            Search::SolidBoxes => with_tree!(@ SolidBoxes, $any, |$tree, $simd, $way| $call),
+            Search::Boxes => with_tree!(@ Boxes, $any, |$tree, $simd, $way| $call),
         }
     };
-    ($kind:ident, $wide:expr, |$tree:ident, $simd:ident, $search:ident| $call:expr) => {{
-        const $search: u8 = Search::$kind as u8;
-        with_tree!($wide, |$tree, $simd| $call)
+    (@ $kind:ident, $any:expr, |$tree:ident, $simd:ident, $way:ident| $call:expr) => {{
+        const $way: u8 = Search::$kind as u8;
+        with_tree!($any, |$tree, $simd| $call)
     }};
 }
 
@@ -174,7 +176,33 @@ impl AnyTree {
     }
 }
 
+/// Calls what would be inlined, as SSE2 needs no function of its own: the frame of a way down a tree
+/// would be every query's.
+#[cfg(target_arch = "x86_64")]
+#[inline(never)]
+fn apart<R>(call: impl FnOnce() -> R) -> R {
+    call()
+}
+
 impl AnyTree {
+    /// As [`Tree::nearest`].
+    fn nearest(&self, search: Search, ray: &Ray, left: u32, nearest: &mut Nearest) {
+        with_tree!(self, search, |tree, simd, SEARCH| tree
+            .nearest::<_, SEARCH>(simd, ray, left, nearest));
+    }
+
+    /// As [`Tree::absorbs`].
+    fn absorbs(
+        &self,
+        search: Search,
+        ray: &Ray,
+        left: u32,
+        absorb: &mut dyn FnMut(u32) -> bool,
+    ) -> bool {
+        with_tree!(self, search, |tree, simd, SEARCH| tree
+            .absorbs::<_, SEARCH>(simd, ray, left, absorb))
+    }
+
     fn about(&self) -> About {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -301,12 +329,7 @@ impl<M: Finish> Geometry for Wide<'_, M> {
         if self.has_apart(left) {
             self.nearest_apart(ray, first, left, &mut nearest);
         }
-        with_tree!(self, |tree, simd, SEARCH| tree.nearest::<_, SEARCH>(
-            simd,
-            ray,
-            left,
-            &mut nearest
-        ));
+        self.tree.nearest(self.search, ray, left, &mut nearest);
         if nearest.object == u32::MAX {
             return None;
         }
@@ -332,8 +355,7 @@ impl<M: Finish> Geometry for Wide<'_, M> {
         }
         let left = self.left(ray, first);
         self.has_apart(left) && self.blocks_apart(ray, first, left)
-            || with_tree!(self, |tree, simd, SEARCH| tree
-                .blocks::<_, SEARCH>(simd, ray, left))
+            || self.tree.absorbs(self.search, ray, left, &mut |_| true)
     }
 
     #[inline]
@@ -342,9 +364,9 @@ impl<M: Finish> Geometry for Wide<'_, M> {
             return self.parts.kinds.absorbs::<P>(ray, first, light);
         }
         let left = self.left(ray, first);
-        let parts = &self.parts;
         self.has_apart(left) && self.absorbs_apart(ray, first, left, light)
-            || with_tree!(self, |tree, simd, SEARCH| tree
-                .absorbs::<_, _, P, SEARCH>(simd, parts, ray, left, first, light))
+            || self.tree.absorbs(self.search, ray, left, &mut |object| {
+                (self.parts).absorbs_met::<P>(ray, object as usize, first, light)
+            })
     }
 }

@@ -14,6 +14,9 @@ use super::parts::Parts;
 use super::rays::{Needs, RayTerms};
 use super::sphere::Spheres;
 
+/// How many objects fit into a block. Of more lanes more would lie idle: a tree's leaves hold few.
+pub const LANES: usize = 8;
+
 /// What the lanes of a block are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -46,21 +49,21 @@ impl Kind {
 
 /// The blocks of one kind, and what their lanes stand for.
 #[derive(Clone, Debug)]
-pub struct Shelf<B, const N: usize> {
+pub struct Shelf<B> {
     pub blocks: Vec<B>,
-    pub labels: Vec<Labels<N>>,
+    pub labels: Vec<Labels>,
 }
 
 /// What the lanes of a block stand for.
 #[derive(Clone, Copy, Debug)]
-pub struct Labels<const N: usize> {
+pub struct Labels {
     /// Places in the geometry.
-    pub objects: [u32; N],
+    pub objects: [u32; LANES],
     /// A bit a lane: whether no light goes through.
     pub opaque: u32,
 }
 
-impl<B, const N: usize> Default for Shelf<B, N> {
+impl<B> Default for Shelf<B> {
     fn default() -> Self {
         Self {
             blocks: Vec::new(),
@@ -69,39 +72,39 @@ impl<B, const N: usize> Default for Shelf<B, N> {
     }
 }
 
-impl<B, const N: usize> Shelf<B, N> {
-    fn push(&mut self, block: B, labels: Labels<N>) -> usize {
+impl<B> Shelf<B> {
+    fn push(&mut self, block: B, labels: Labels) -> usize {
         self.blocks.push(block);
         self.labels.push(labels);
         self.blocks.len() - 1
     }
 }
 
-/// The blocks of a scene, `N` objects each.
+/// The blocks of a scene.
 #[derive(Clone, Debug, Default)]
-pub struct Blocks<const N: usize> {
-    pub spheres: Shelf<Spheres<N>, N>,
-    pub hollow_spheres: Shelf<Spheres<N>, N>,
-    pub triangles: Shelf<Outlines<3, N>, N>,
-    pub quads: Shelf<Outlines<4, N>, N>,
-    pub outlines: Shelf<Outline, N>,
-    pub cuboids: Shelf<Cuboids<N>, N>,
-    pub frusta: Shelf<Frusta<N>, N>,
-    pub hollow_frusta: Shelf<Frusta<N>, N>,
+pub struct Blocks {
+    pub spheres: Shelf<Spheres>,
+    pub hollow_spheres: Shelf<Spheres>,
+    pub triangles: Shelf<Outlines<3>>,
+    pub quads: Shelf<Outlines<4>>,
+    pub outlines: Shelf<Outline>,
+    pub cuboids: Shelf<Cuboids>,
+    pub frusta: Shelf<Frusta>,
+    pub hollow_frusta: Shelf<Frusta>,
 }
 
 /// Which lanes of a block meet a ray, and where.
-pub struct Found<'a, V, const N: usize> {
+pub struct Found<'a, V> {
     pub t: V,
     /// A bit a lane.
     pub lanes: u32,
-    pub labels: &'a Labels<N>,
+    pub labels: &'a Labels,
 }
 
-impl<const N: usize> Blocks<N> {
+impl Blocks {
     /// How many objects a block of some kind holds.
     pub fn capacity(kind: Kind) -> usize {
-        if kind == Kind::Outline { 1 } else { N }
+        if kind == Kind::Outline { 1 } else { LANES }
     }
 
     /// Which terms of a ray the blocks ask for.
@@ -115,8 +118,8 @@ impl<const N: usize> Blocks<N> {
 
     /// The bytes of all blocks and labels.
     pub fn bytes(&self) -> usize {
-        fn shelf<B, const N: usize>(shelf: &Shelf<B, N>) -> usize {
-            shelf.blocks.len() * size_of::<B>() + shelf.labels.len() * size_of::<Labels<N>>()
+        fn shelf<B>(shelf: &Shelf<B>) -> usize {
+            shelf.blocks.len() * size_of::<B>() + shelf.labels.len() * size_of::<Labels>()
         }
         let rows = self.outlines.blocks.iter().map(Outline::bytes);
         shelf(&self.spheres)
@@ -132,7 +135,7 @@ impl<const N: usize> Blocks<N> {
 
     /// What the lanes of a block stand for.
     #[inline(always)]
-    pub fn labels(&self, kind: Kind, index: usize) -> &Labels<N> {
+    pub fn labels(&self, kind: Kind, index: usize) -> &Labels {
         match kind {
             Kind::Sphere => &self.spheres.labels[index],
             Kind::HollowSphere => &self.hollow_spheres.labels[index],
@@ -164,7 +167,7 @@ impl<const N: usize> Blocks<N> {
         // Of equally near lanes the first is the one with the lowest place.
         items.sort_unstable_by_key(|item| item.object);
         let mut labels = Labels {
-            objects: [u32::MAX; N],
+            objects: [u32::MAX; LANES],
             opaque: 0,
         };
         for (lane, item) in items.iter().enumerate() {
@@ -194,7 +197,7 @@ impl<const N: usize> Blocks<N> {
             }
             Kind::Outline => {
                 let (vertices, normal) = parts.outline(items[0].object as usize);
-                let block = Outline::new::<N>(vertices, normal);
+                let block = Outline::new(vertices, normal);
                 self.outlines.push(block, labels)
             }
             Kind::Cuboid => {
@@ -223,7 +226,7 @@ impl<const N: usize> Blocks<N> {
         index: usize,
         terms: &RayTerms<'_>,
         limit: f32,
-    ) -> Found<'_, V, N> {
+    ) -> Found<'_, V> {
         macro_rules! meet {
             ($shelf:ident, $block:ident => $meeting:expr) => {{
                 let $block = &self.$shelf.blocks[index];
@@ -243,7 +246,7 @@ impl<const N: usize> Blocks<N> {
                 meet!(hollow_frusta, it => it.meet::<S, V, true>(simd, terms, limit))
             }
             Kind::Outline => {
-                let t = self.outlines.blocks[index].meet::<S, V, N>(simd, terms, limit);
+                let t = self.outlines.blocks[index].meet::<S, V>(simd, terms, limit);
                 Found {
                     t: V::simd_from(simd, t.unwrap_or(0.0)),
                     lanes: u32::from(t.is_some()),
@@ -254,9 +257,9 @@ impl<const N: usize> Blocks<N> {
     }
 }
 
-impl<'a, V, const N: usize> Found<'a, V, N> {
+impl<'a, V> Found<'a, V> {
     #[inline(always)]
-    pub fn new<S: Simd>(meeting: Meeting<V, V::Mask>, labels: &'a Labels<N>) -> Self
+    pub fn new<S: Simd>(meeting: Meeting<V, V::Mask>, labels: &'a Labels) -> Self
     where
         V: Lanes<S>,
     {

@@ -1,8 +1,7 @@
 //! Binary hierarchies by the surface-area heuristic, then wide ones from those.
 //!
 //! I. Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on
-//! Interactive Ray Tracing 2007 (bins); I. Wald, C. Benthin, S. Boulos, "Getting Rid of Packets", IEEE
-//! Symposium on Interactive Ray Tracing 2008 (wide nodes by opening the largest child).
+//! Interactive Ray Tracing 2007 (bins).
 
 use glam::Vec3A;
 
@@ -230,28 +229,64 @@ fn partition(items: &mut [Item], left: impl Fn(&Item) -> bool) -> usize {
     }
 }
 
-/// The up to `width` nodes that stand below `node` once its largest children are opened.
-pub fn opened(nodes: &[Binary], node: &Binary, width: usize) -> Vec<Binary> {
-    let mut open = Vec::with_capacity(width);
-    let children = |node: &Binary| {
-        let first = node.first as usize;
-        [nodes[first], nodes[first + 1]]
-    };
-    if node.count > 0 {
-        open.push(*node);
-        return open;
+/// Which nodes of a binary tree become nodes of up to `N` children: those that rays meet least.
+///
+/// Dynamic programming from the leaves up, as in H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent
+/// Ray Traversal on GPUs Through Compressed Wide BVHs", High-Performance Graphics 2017.
+pub struct Collapse<'a, const N: usize> {
+    nodes: &'a [Binary],
+    /// Of each node, if up to 1, 2, ... `N` boxes may stand for it: the least area of all wide nodes
+    /// in it.
+    costs: Vec<[f32; N]>,
+}
+
+impl<'a, const N: usize> Collapse<'a, N> {
+    pub fn new(nodes: &'a [Binary]) -> Self {
+        let mut costs = vec![[0.0; N]; nodes.len()];
+        // Children stand behind their parents.
+        for (place, node) in nodes.iter().enumerate().rev() {
+            if node.count > 0 {
+                continue;
+            }
+            let first = node.first as usize;
+            let (left, right) = (costs[first], costs[first + 1]);
+            let mut of = [f32::INFINITY; N];
+            for (k, left) in left.iter().enumerate() {
+                for (of, right) in of[(k + 1).min(N)..].iter_mut().zip(&right) {
+                    *of = of.min(left + right);
+                }
+            }
+            of[0] = node.bounds.area() + of[N - 1];
+            let one = of[0];
+            of[1..].iter_mut().for_each(|it| *it = it.min(one));
+            costs[place] = of;
+        }
+        Self { nodes, costs }
     }
-    open.extend(children(node));
-    while open.len() < width {
-        let largest = (0..open.len())
-            .filter(|&i| open[i].count == 0)
-            .max_by(|&a, &b| open[a].bounds.area().total_cmp(&open[b].bounds.area()));
-        let Some(largest) = largest else {
-            break;
-        };
-        let [left, right] = children(&open[largest]);
-        open[largest] = left;
-        open.push(right);
+
+    /// Gives `below` the places of the nodes that stand below the wide node of this one.
+    pub fn children(&self, place: usize, below: &mut Vec<usize>) {
+        if self.nodes[place].count > 0 {
+            below.push(place);
+        } else {
+            self.part(place, N, below);
+        }
     }
-    open
+
+    /// The same below an inner node for which up to `width` boxes may stand.
+    fn part(&self, place: usize, width: usize, below: &mut Vec<usize>) {
+        let first = self.nodes[place].first as usize;
+        let cost =
+            |left: &usize| self.costs[first][left - 1] + self.costs[first + 1][width - left - 1];
+        let left = (1..width).min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let left = left.expect("there is room for two");
+        for (place, width) in [(first, left), (first + 1, width - left)] {
+            let costs = &self.costs[place];
+            if self.nodes[place].count > 0 || costs[width - 1] >= costs[0] {
+                below.push(place);
+            } else {
+                self.part(place, width, below);
+            }
+        }
+    }
 }

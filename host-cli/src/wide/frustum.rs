@@ -4,29 +4,30 @@ use fearless_simd::{Select, Simd, SimdMask};
 use whitted::Frustum;
 
 use super::across::Terms;
+use super::blocks::LANES;
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
 use super::rays::RayTerms;
 
-/// `N` frusta that are all visible from outside, or all from inside only.
+/// [`LANES`] frusta that are all visible from outside, or all from inside only.
 #[derive(Clone, Debug)]
-#[repr(C, align(32))]
-pub struct Frusta<const N: usize> {
-    base: [[f32; N]; 3],
-    axis: [[f32; N]; 3],
+#[repr(C, align(64))]
+pub struct Frusta {
+    base: [[f32; LANES]; 3],
+    axis: [[f32; LANES]; 3],
     /// Not a number where there is no frustum: that is never met.
-    length: [f32; N],
-    base_radius: [f32; N],
-    slope: [f32; N],
+    length: [f32; LANES],
+    base_radius: [f32; LANES],
+    slope: [f32; LANES],
 }
 
-impl<const N: usize> Frusta<N> {
+impl Frusta {
     pub fn new(frusta: impl Iterator<Item = Frustum>) -> Self {
         let mut block = Self {
-            base: [[0.0; N]; 3],
-            axis: [[0.0; N]; 3],
-            length: [f32::NAN; N],
-            base_radius: [0.0; N],
-            slope: [0.0; N],
+            base: [[0.0; LANES]; 3],
+            axis: [[0.0; LANES]; 3],
+            length: [f32::NAN; LANES],
+            base_radius: [0.0; LANES],
+            slope: [0.0; LANES],
         };
         for (lane, frustum) in frusta.enumerate() {
             for i in 0..3 {

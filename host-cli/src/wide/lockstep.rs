@@ -45,7 +45,7 @@ pub fn rows<L: LightSource + Copy>(
     pixels: &mut [Vec3],
 ) -> Counters {
     let mut counters = Counters::default();
-    with_tree!(job.geometry, |tree, simd| band(
+    with_tree!(&job.geometry.tree, |tree, simd| band(
         simd,
         tree,
         job,
@@ -63,7 +63,7 @@ pub fn closest_hits<'a>(
     rays: &[Ray],
     hits: &mut [Option<Hit<'a, Material>>],
 ) {
-    with_tree!(geometry, |tree, simd| each_hit(
+    with_tree!(&geometry.tree, |tree, simd| each_hit(
         simd, tree, geometry, rays, hits
     ));
 }
@@ -103,7 +103,7 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
 
 /// As [`Geometry::transmittance`] of each ray; fastest where neighbours go about the same way.
 pub fn transmittances(geometry: &Wide<'_, Material>, rays: &[Ray], passed: &mut [f32]) {
-    with_tree!(geometry, |tree, simd| each_transmittance(
+    with_tree!(&geometry.tree, |tree, simd| each_transmittance(
         simd, tree, geometry, rays, passed
     ));
 }

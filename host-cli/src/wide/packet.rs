@@ -8,14 +8,14 @@
 
 use core::hint::black_box;
 
-use fearless_simd::{Simd, SimdBase, SimdMask};
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
 use heapless::Vec as Stack;
 use whitted::Ray;
 use whitted::math::Transmittance;
 
 use super::across::{self, Terms, TermsOf};
 use super::beams::Beams;
-use super::blocks::{Found, Kind};
+use super::blocks::{Found, Kind, LANES};
 use super::bounds::FAR;
 use super::lanes::{Lanes, Vectors, fastest_of_each};
 use super::nodes::{Child, Content, Node, met};
@@ -326,7 +326,7 @@ impl<const N: usize> Tree<N> {
                     // What a lane a ray costs, and what a lane an object, or an edge.
                     let (by_rays, by_objects) = if kind == Kind::Outline {
                         let edges = parts.outline(labels.objects[0] as usize).0.len();
-                        (edges, count * edges.div_ceil(N))
+                        (edges, count * edges.div_ceil(LANES))
                     } else {
                         (objects.count(), count)
                     };
@@ -406,24 +406,23 @@ impl<const N: usize> Tree<N> {
     ) where
         Self: Vector<S>,
     {
-        type Of<S, T> = <T as Vector<S>>::Lanes;
         while rays != 0 {
             let ray = rays.trailing_zeros() as usize % N;
             rays &= rays - 1;
             let cast = packet.beams.ray(ray);
             let terms = RayTerms::new(&cast, self.needs());
             let terms = black_box(&terms);
-            let found: Found<'_, Of<S, Self>, N> =
+            let found: Found<'_, f32x8<S>> =
                 self.all_blocks()
                     .meet(simd, kind, index, terms, limits[ray]);
             let mut met = without(&found, packet.beams.left[ray]);
             if met == 0 {
                 continue;
             }
-            let mut t = [0.0; N];
+            let mut t = [0.0; LANES];
             found.t.store_slice(&mut t);
             while met != 0 {
-                let lane = met.trailing_zeros() as usize % N;
+                let lane = met.trailing_zeros() as usize % LANES;
                 met &= met - 1;
                 let opaque = found.labels.opaque >> lane & 1 != 0;
                 limits[ray] = visit.visit(ray, t[lane], found.labels.objects[lane], opaque);

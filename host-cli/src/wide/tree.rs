@@ -4,12 +4,11 @@ use core::hint::black_box;
 
 use fearless_simd::{Simd, SimdBase, f32x8, f32x16};
 use heapless::Vec as Stack;
-use whitted::math::Transmittance;
-use whitted::{Finish, Math, Ray};
+use whitted::{Finish, Ray};
 
-use super::blocks::{Blocks, Found, Kind};
+use super::blocks::{Blocks, Found, Kind, LANES};
 use super::bounds::ROUNDING;
-use super::build::{Binary, Item, Method, binary, opened};
+use super::build::{Binary, Collapse, Item, Method, binary};
 use super::lanes::Lanes;
 use super::nodes::{Child, Content, Node, NodeTerms};
 use super::parts::Parts;
@@ -21,7 +20,7 @@ pub const FLAT: usize = 64;
 /// How many boxes may wait on the way down a tree.
 pub const WAITING: usize = 384;
 
-/// The vector whose lanes are as many as a tree's blocks have.
+/// The vector whose lanes are as many as a tree's nodes have children.
 pub trait Vector<S: Simd> {
     /// The vector.
     type Lanes: Lanes<S>;
@@ -35,11 +34,11 @@ impl<S: Simd> Vector<S> for Tree<16> {
     type Lanes = f32x16<S>;
 }
 
-/// Blocks of `N` objects below nodes of `N` children.
+/// Blocks of objects below nodes of `N` children.
 #[derive(Clone, Debug)]
 pub struct Tree<const N: usize> {
     nodes: Vec<Node<N>>,
-    blocks: Blocks<N>,
+    blocks: Blocks,
     needs: Needs,
     /// How many coordinates of its origin a ray's hits may lie outside the boxes.
     slack: f32,
@@ -96,12 +95,12 @@ impl<const N: usize> Tree<N> {
         if items.len() <= flat {
             items.sort_unstable_by_key(|item| (item.kind as u8, item.object));
             for items in items.chunk_by_mut(|a, b| a.kind == b.kind) {
-                for items in items.chunks_mut(Blocks::<N>::capacity(items[0].kind)) {
+                for items in items.chunks_mut(Blocks::capacity(items[0].kind)) {
                     tree.blocks.push(parts, items);
                 }
             }
         } else {
-            let capacity = |kind| Blocks::<N>::capacity(kind).min(LEAF);
+            let capacity = |kind| Blocks::capacity(kind).min(LEAF);
             for method in [Method::Area, Method::Halves] {
                 let nodes = binary(&mut items, capacity, method);
                 tree.nodes.clear();
@@ -122,28 +121,36 @@ impl<const N: usize> Tree<N> {
         items: &mut [Item],
         binary: &[Binary],
     ) -> bool {
-        // A node to be filled, what it is made of, and how many boxes may wait when a ray meets it.
-        let mut pending = vec![(0, binary[0], 0)];
+        let collapse = Collapse::<N>::new(binary);
+        // A node to be filled, which binary one it stands for, and how many boxes may wait when a ray
+        // meets it.
+        let mut pending = vec![(0, 0, 0)];
+        let mut below = Vec::with_capacity(N);
         self.nodes.push(Node::EMPTY);
-        while let Some((place, node, waiting)) = pending.pop() {
-            let open = opened(binary, &node, N);
-            let waiting = waiting + open.len() - 1;
+        while let Some((place, root, waiting)) = pending.pop() {
+            below.clear();
+            collapse.children(root, &mut below);
+            let waiting = waiting + below.len() - 1;
             if waiting >= WAITING {
                 return false;
             }
-            for (lane, below) in open.iter().enumerate() {
-                let child = if below.count == 0 {
+            for (lane, &root) in below.iter().enumerate() {
+                let Binary {
+                    bounds,
+                    first,
+                    count,
+                } = binary[root];
+                let child = if count == 0 {
                     let child = self.nodes.len();
                     self.nodes.push(Node::EMPTY);
-                    pending.push((child, *below, waiting));
+                    pending.push((child, root, waiting));
                     Child::node(child)
                 } else {
-                    let first = below.first as usize;
-                    let items = &mut items[first..first + below.count as usize];
+                    let items = &mut items[first as usize..(first + count) as usize];
                     let kind = items[0].kind;
                     Child::block(kind, self.blocks.push(parts, items))
                 };
-                self.nodes[place].set(lane, &below.bounds, child);
+                self.nodes[place].set(lane, &bounds, child);
             }
         }
         true
@@ -157,7 +164,7 @@ impl<const N: usize> Tree<N> {
 
     /// The blocks of every kind.
     #[inline(always)]
-    pub fn all_blocks(&self) -> &Blocks<N> {
+    pub fn all_blocks(&self) -> &Blocks {
         &self.blocks
     }
 
@@ -205,7 +212,7 @@ impl<const N: usize> Tree<N> {
         simd: S,
         ray: &Ray,
         mut limit: f32,
-        mut visit: impl Visit<S, <Self as Vector<S>>::Lanes, N>,
+        mut visit: impl Visit<S>,
     ) -> bool
     where
         Self: Vector<S>,
@@ -216,7 +223,8 @@ impl<const N: usize> Tree<N> {
             macro_rules! each {
                 ($shelf:ident, $block:ident => $meeting:expr) => {
                     for ($block, labels) in blocks.$shelf.blocks.iter().zip(&blocks.$shelf.labels) {
-                        match visit.visit(Found::new($meeting, labels), limit) {
+                        let found: Found<'_, f32x8<S>> = Found::new($meeting, labels);
+                        match visit.visit(found, limit) {
                             Some(nearer) => limit = nearer,
                             None => return true,
                         }
@@ -319,35 +327,20 @@ impl<const N: usize> Tree<N> {
         self.visit::<S, SEARCH, true>(simd, ray, limit, visit);
     }
 
-    /// Whether the ray admits a point of any object but `left`.
+    /// Calls `absorb` with each object but `left` that the ray meets, until it is true or the object
+    /// opaque; whether that was so.
     #[inline(always)]
-    pub fn blocks<S: Simd, const SEARCH: u8>(&self, simd: S, ray: &Ray, left: u32) -> bool
-    where
-        Self: Vector<S>,
-    {
-        let visit = UntilAny { left };
-        self.visit::<S, SEARCH, false>(simd, ray, ray.t_max, visit)
-    }
-
-    /// Takes from `light` what all objects but `left` take; true where that is all of it. `first` is
-    /// where the objects start in the geometry that the ray's departure counts by.
-    #[inline(always)]
-    pub fn absorbs<S: Simd, M: Finish, P: Math, const SEARCH: u8>(
+    pub fn absorbs<S: Simd, const SEARCH: u8>(
         &self,
         simd: S,
-        parts: &Parts<'_, M>,
         ray: &Ray,
         left: u32,
-        first: usize,
-        light: &mut Transmittance,
+        absorb: &mut dyn FnMut(u32) -> bool,
     ) -> bool
     where
         Self: Vector<S>,
     {
-        let visit = UntilDark {
-            left,
-            absorb: |object: u32| parts.absorbs_met::<P>(ray, object as usize, first, light),
-        };
+        let visit = UntilDark { left, absorb };
         self.visit::<S, SEARCH, false>(simd, ray, ray.t_max, visit)
     }
 
@@ -384,9 +377,9 @@ pub enum Search {
 }
 
 /// What is done with what a block finds.
-trait Visit<S: Simd, V: Lanes<S>, const N: usize> {
+trait Visit<S: Simd> {
     /// Up to which distance more is asked for; `None` ends the search.
-    fn visit(&mut self, found: Found<'_, V, N>, limit: f32) -> Option<f32>;
+    fn visit(&mut self, found: Found<'_, f32x8<S>>, limit: f32) -> Option<f32>;
 }
 
 struct TakeNearest<'a> {
@@ -394,17 +387,17 @@ struct TakeNearest<'a> {
     nearest: &'a mut Nearest,
 }
 
-impl<S: Simd, V: Lanes<S>, const N: usize> Visit<S, V, N> for TakeNearest<'_> {
+impl<S: Simd> Visit<S> for TakeNearest<'_> {
     #[inline(always)]
-    fn visit(&mut self, found: Found<'_, V, N>, limit: f32) -> Option<f32> {
+    fn visit(&mut self, found: Found<'_, f32x8<S>>, limit: f32) -> Option<f32> {
         let mut met = without(&found, self.left);
         if met == 0 {
             return Some(limit);
         }
-        let mut t = [0.0; N];
+        let mut t = [0.0; LANES];
         found.t.store_slice(&mut t);
         while met != 0 {
-            let lane = met.trailing_zeros() as usize % N;
+            let lane = met.trailing_zeros() as usize % LANES;
             met &= met - 1;
             self.nearest.offer(t[lane], found.labels.objects[lane]);
         }
@@ -412,37 +405,20 @@ impl<S: Simd, V: Lanes<S>, const N: usize> Visit<S, V, N> for TakeNearest<'_> {
     }
 }
 
-struct UntilAny {
+struct UntilDark<'a> {
     left: u32,
+    absorb: &'a mut dyn FnMut(u32) -> bool,
 }
 
-impl<S: Simd, V: Lanes<S>, const N: usize> Visit<S, V, N> for UntilAny {
+impl<S: Simd> Visit<S> for UntilDark<'_> {
     #[inline(always)]
-    fn visit(&mut self, found: Found<'_, V, N>, limit: f32) -> Option<f32> {
-        (without(&found, self.left) == 0).then_some(limit)
-    }
-}
-
-struct UntilDark<F> {
-    left: u32,
-    /// Takes what an object absorbs; true where that is all that was left.
-    absorb: F,
-}
-
-impl<S, V, F, const N: usize> Visit<S, V, N> for UntilDark<F>
-where
-    S: Simd,
-    V: Lanes<S>,
-    F: FnMut(u32) -> bool,
-{
-    #[inline(always)]
-    fn visit(&mut self, found: Found<'_, V, N>, limit: f32) -> Option<f32> {
+    fn visit(&mut self, found: Found<'_, f32x8<S>>, limit: f32) -> Option<f32> {
         let mut met = without(&found, self.left);
         if met & found.labels.opaque != 0 {
             return None;
         }
         while met != 0 {
-            let lane = met.trailing_zeros() as usize % N;
+            let lane = met.trailing_zeros() as usize % LANES;
             met &= met - 1;
             if (self.absorb)(found.labels.objects[lane]) {
                 return None;
@@ -454,7 +430,7 @@ where
 
 /// The lanes that are met, without the object that the ray leaves.
 #[inline(always)]
-pub fn without<V, const N: usize>(found: &Found<'_, V, N>, left: u32) -> u32 {
+pub fn without<V>(found: &Found<'_, V>, left: u32) -> u32 {
     let mut met = found.lanes;
     if met != 0 && left != u32::MAX {
         for (lane, &object) in found.labels.objects.iter().enumerate() {
