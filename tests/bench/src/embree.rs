@@ -27,7 +27,10 @@ const BUFFER_VERTEX: c_int = 1;
 const FORMAT_UINT3: c_int = 0x5003;
 const FORMAT_FLOAT3: c_int = 0x9003;
 const FORMAT_FLOAT4: c_int = 0x9004;
-const QUALITY_HIGH: c_int = 2;
+/// What Embree takes unless asked for more.
+const MEDIUM: c_int = 1;
+/// With spatial splits.
+const HIGH: c_int = 2;
 const INVALID: c_uint = u32::MAX;
 
 /// `RTCRay` and `RTCHit` in a row; the hit with room for the fields that version 4 added.
@@ -270,7 +273,7 @@ enum Geometry {
 
 impl Embree {
     /// A scene without objects.
-    fn empty() -> Result<Self, String> {
+    fn empty(quality: c_int) -> Result<Self, String> {
         let interface = interface()?;
         // SAFETY: the calls and their order are those of the manual.
         unsafe {
@@ -279,7 +282,7 @@ impl Embree {
                 return Err("no device".into());
             }
             let scene = (interface.new_scene)(device);
-            (interface.set_quality)(scene, QUALITY_HIGH);
+            (interface.set_quality)(scene, quality);
             Ok(Self {
                 interface,
                 device,
@@ -289,8 +292,8 @@ impl Embree {
         }
     }
 
-    fn new(shapes: &Shapes, geometry: Geometry) -> Result<Self, String> {
-        let mut embree = Self::empty()?;
+    fn new(shapes: &Shapes, geometry: Geometry, quality: c_int) -> Result<Self, String> {
+        let mut embree = Self::empty(quality)?;
         let (interface, device, scene) = (embree.interface, embree.device, embree.scene);
         // SAFETY: the calls and their order are those of the manual; buffers are filled to the length
         // that they were asked for, in the layout of their format.
@@ -666,9 +669,9 @@ impl Peer for Packets<'_> {
     }
 }
 
-fn single_with(shapes: &Shapes, geometry: Geometry) -> Result<Single<'_>, String> {
+fn single_with(shapes: &Shapes, geometry: Geometry, quality: c_int) -> Result<Single<'_>, String> {
     Ok(Single {
-        embree: Embree::new(shapes, geometry)?,
+        embree: Embree::new(shapes, geometry, quality)?,
         shapes,
         geometry,
     })
@@ -680,13 +683,18 @@ pub fn single(shapes: &Shapes) -> Result<Box<dyn Peer + '_>, String> {
         Shapes::Cuboids(_) => Geometry::User,
         _ => Geometry::BuiltIn,
     };
-    Ok(Box::new(single_with(shapes, geometry)?))
+    Ok(Box::new(single_with(shapes, geometry, HIGH)?))
+}
+
+/// One ray at a time, in the hierarchy that Embree builds unless asked for a better one.
+pub fn medium(shapes: &Shapes) -> Result<Box<dyn Peer + '_>, String> {
+    Ok(Box::new(single_with(shapes, Geometry::BuiltIn, MEDIUM)?))
 }
 
 /// Spheres by our own function.
 pub fn user(shapes: &Shapes) -> Result<Box<dyn Peer + '_>, String> {
     match shapes {
-        Shapes::Spheres(_) => Ok(Box::new(single_with(shapes, Geometry::User)?)),
+        Shapes::Spheres(_) => Ok(Box::new(single_with(shapes, Geometry::User, HIGH)?)),
         _ => Err("is for spheres".into()),
     }
 }
@@ -695,7 +703,11 @@ pub fn user(shapes: &Shapes) -> Result<Box<dyn Peer + '_>, String> {
 pub fn packets(shapes: &Shapes) -> Result<Box<dyn Peer + '_>, String> {
     match shapes {
         Shapes::Cuboids(_) => Err("boxes are user geometry, asked ray by ray".into()),
-        _ => Ok(Box::new(Packets(single_with(shapes, Geometry::BuiltIn)?))),
+        _ => Ok(Box::new(Packets(single_with(
+            shapes,
+            Geometry::BuiltIn,
+            HIGH,
+        )?))),
     }
 }
 
@@ -744,7 +756,8 @@ impl<'a> Intersector<'a> {
         if !opaque {
             return Err("glass, which needs every hit".into());
         }
-        let mut embree = Embree::empty()?;
+        // Its construction is part of the frame.
+        let mut embree = Embree::empty(MEDIUM)?;
         let interface = embree.interface;
         let places = [solids.iter().map(|it| it.1).collect(), faces];
         // SAFETY: as in `Embree::new`. Both geometries are attached, in this order, even if empty.

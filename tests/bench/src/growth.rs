@@ -8,12 +8,12 @@ use plotters::prelude::*;
 
 use crate::peer::{Builder, Peer};
 use crate::report::{Report, chart, ratio};
-use crate::workload::{Answer, Query, Shapes, Workload, spheres, surface, triangles};
-use crate::{crates, embree, ours, run};
+use crate::workload::{Query, Shapes, Workload, spheres, surface, triangles};
+use crate::{crates, embree, ours};
 
 const PEERS: [Builder; 7] = [
     ours::wide,
-    embree::single,
+    embree::medium,
     crates::obvhs_cwbvh,
     crates::bvh,
     crates::parry,
@@ -72,8 +72,6 @@ pub fn run_all(report: &mut Report, rounds: usize, quick: bool) -> anyhow::Resul
 fn measure(workload: &Workload, kind: usize, size: usize, rounds: usize, costs: &mut Costs) {
     let mut best = BTreeMap::new();
     let sets = &workload.rays;
-    let mut answers = vec![Answer::MISS; sets[0].rays.len()];
-    let mut flags = vec![false; sets[0].rays.len()];
     let builds = if size > 100_000 { 2 } else { rounds };
     let mut peers: Vec<(usize, Box<dyn Peer + '_>)> = Vec::new();
     for round in 0..builds {
@@ -83,21 +81,23 @@ fn measure(workload: &Workload, kind: usize, size: usize, rounds: usize, costs: 
                 continue;
             };
             let time = start.elapsed().as_secs_f64();
-            least(&mut best, (place, "build"), time);
+            let least = best.entry((place, "build")).or_insert(f64::INFINITY);
+            *least = least.min(time);
             if round == 0 {
                 peers.push((place, peer));
             }
         }
     }
-    for _ in 0..rounds {
-        for (place, peer) in &peers {
-            for set in sets.iter().filter(|set| set.query == Query::Nearest) {
-                let time = run(&**peer, set.query, &set.rays, &mut answers, &mut flags);
-                least(&mut best, (*place, set.name), time / set.rays.len() as f64);
-            }
+    let (places, peers): (Vec<_>, Vec<_>) = peers.into_iter().unzip();
+    for set in sets.iter().filter(|set| set.query == Query::Nearest) {
+        for (&place, (time, _)) in places
+            .iter()
+            .zip(crate::measure(&peers, workload, set, rounds))
+        {
+            best.insert((place, set.name), time / set.rays.len() as f64);
         }
     }
-    for (place, peer) in &peers {
+    for (place, peer) in places.iter().zip(&peers) {
         for what in ["build", "primary", "incoherent"] {
             if let Some(&cost) = best.get(&(*place, what)) {
                 let points = costs.entry((kind, what, peer.name())).or_default();
@@ -105,11 +105,6 @@ fn measure(workload: &Workload, kind: usize, size: usize, rounds: usize, costs: 
             }
         }
     }
-}
-
-fn least<K: Ord>(best: &mut BTreeMap<K, f64>, key: K, time: f64) {
-    let entry = best.entry(key).or_insert(f64::INFINITY);
-    *entry = entry.min(time);
 }
 
 /// What everything is told in: our cost of the smallest scene of this kind.
@@ -145,6 +140,20 @@ fn table(report: &mut Report, costs: &Costs) {
         "1,000,000",
     ];
     report.table("By the number of objects, rays one by one", &head, &rows);
+    let ours = costs
+        .iter()
+        .filter(|((_, what, peer), _)| *what == "build" && peer == "whitted");
+    let rows: Vec<_> = ours
+        .flat_map(|((kind, ..), points)| {
+            let large = points.iter().filter(|it| it.0 >= 10_000);
+            large.map(|(size, time)| {
+                let time = format!("{:.1}", time * 1e3);
+                vec![KINDS[*kind].0.to_owned(), size.to_string(), time]
+            })
+        })
+        .collect();
+    let head = ["scene", "objects", "ms"];
+    report.table("whitted's construction, one thread", &head, &rows);
 }
 
 fn draw(costs: &Costs, what: &'static str) -> anyhow::Result<()> {
