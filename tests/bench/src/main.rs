@@ -9,8 +9,8 @@
 //! as whitted the others take. `tests/charts/bench.md`, `bench.csv` and `bench-*.svg` keep what a full run
 //! found.
 //!
-//! `WHITTED_NATIVE` may name a `whitted` built with `RUSTFLAGS=-Ctarget-cpu=native`, to be compared with
-//! this plain build; `WHITTED_EMBREE` another library than Debian's Embree 3.
+//! A full run also builds `whitted` for this very processor, to compare it with the plain build.
+//! `WHITTED_EMBREE` may name another library than Debian's Embree 3.
 
 mod crates;
 mod embree;
