@@ -121,7 +121,12 @@ fn sphere<S: Simd, V: Lanes<S>>(
     let center = Vectors::splat(simd, shape.center);
     let square = shape.radius * shape.radius;
     // What has no radius has no surface.
-    let square = V::simd_from(simd, if square > 0.0 { square } else { f32::NAN });
+    let square = if square > 0.0 {
+        square
+    } else {
+        f32::NEG_INFINITY
+    };
+    let square = V::simd_from(simd, square);
     let (origin, direction) = (terms.origin, terms.direction);
     let shows_outside = shape.radius > 0.0;
     let mut meeting = if shows_outside {

@@ -2,22 +2,23 @@
 
 use fearless_simd::Level;
 use whitted::{
-    Cuboid, Departure, Exact, Frustum, Geometry, Material, Object, Patch, Plane, Polygon, Ray,
-    Side, Sphere, Triangle, Vec3,
+    Cuboid, Departure, Exact, Frustum, Geometry, Glass, Hit, Math, Mirror, Object, Patch,
+    PhongReal, Plane, Polygon, Ray, Side, Sphere, Triangle, Vec3,
 };
-use whitted::{Glass, Math};
 
-use super::{Kinds, Wide, levels};
+use super::{Kinds, Wide, levels, lockstep};
+use crate::scene::Material;
 
-type Stuff = Material<(), (), Glass>;
-
-const fn stuff(transmittance: f32) -> Stuff {
+const fn stuff(transmittance: f32) -> Material {
     Material {
         color: Vec3::ONE,
         ambient: 0.0,
         diffuse: 1.0,
-        highlight: (),
-        reflection: (),
+        highlight: PhongReal {
+            specular: 0.0,
+            shininess: 1.0,
+        },
+        reflection: Mirror { reflectance: 0.0 },
         transmission: Glass {
             transmittance,
             ior: 1.5,
@@ -25,7 +26,7 @@ const fn stuff(transmittance: f32) -> Stuff {
     }
 }
 
-static STUFF: [Stuff; 5] = [
+static STUFF: [Material; 5] = [
     stuff(0.0),
     stuff(0.5),
     stuff(0.9),
@@ -148,13 +149,13 @@ const STYLES: [Style; 7] = [
 /// A scene that owns its objects.
 struct Owned {
     style: Style,
-    spheres: Vec<Object<'static, Sphere, Stuff>>,
-    planes: Vec<Object<'static, Plane, Stuff>>,
-    polygons: Vec<Object<'static, Polygon<'static>, Stuff>>,
-    triangles: Vec<Object<'static, Triangle, Stuff>>,
-    patches: Vec<Object<'static, Patch, Stuff>>,
-    cuboids: Vec<Object<'static, Cuboid, Stuff>>,
-    frusta: Vec<Object<'static, Frustum, Stuff>>,
+    spheres: Vec<Object<'static, Sphere, Material>>,
+    planes: Vec<Object<'static, Plane, Material>>,
+    polygons: Vec<Object<'static, Polygon<'static>, Material>>,
+    triangles: Vec<Object<'static, Triangle, Material>>,
+    patches: Vec<Object<'static, Patch, Material>>,
+    cuboids: Vec<Object<'static, Cuboid, Material>>,
+    frusta: Vec<Object<'static, Frustum, Material>>,
 }
 
 /// Some of a list twice, so that there are ties between objects far apart in it.
@@ -344,7 +345,7 @@ impl Owned {
         }
     }
 
-    fn kinds(&self) -> Kinds<'_, Stuff> {
+    fn kinds(&self) -> Kinds<'_, Material> {
         (
             &self.spheres,
             (
@@ -426,13 +427,16 @@ struct Answers {
     transmittance: u32,
 }
 
-fn answers(geometry: &impl Geometry<Material = Stuff>, ray: &Ray) -> Answers {
-    let hit = geometry.closest_hit(ray).map(|hit| {
+fn bits(hit: Option<Hit<'_, Material>>) -> Option<(u32, usize, [u32; 3], bool)> {
+    hit.map(|hit| {
         let normal = hit.normal.to_array().map(f32::to_bits);
         (hit.t.to_bits(), hit.object, normal, hit.front)
-    });
+    })
+}
+
+fn answers(geometry: &impl Geometry<Material = Material>, ray: &Ray) -> Answers {
     Answers {
-        hit,
+        hit: bits(geometry.closest_hit(ray)),
         occluded: geometry.occluded(ray),
         transmittance: geometry.transmittance(ray).to_bits(),
     }
@@ -491,6 +495,71 @@ fn every_level_answers_as_the_kernels_do() {
                     hits > 200 && free > 50 && dimmed > 20,
                     "{name}, {}: {hits} hits, {free} free, {dimmed} dimmed say nothing",
                     style.name
+                );
+            }
+        }
+    }
+}
+
+impl Owned {
+    /// Rays of which some go about the same way, as many as do not fill every vector.
+    fn bundle(&self, random: &mut Random) -> Vec<Ray> {
+        let mut rays = Vec::new();
+        for _ in 0..4 {
+            let first = self.ray(random);
+            let spread = random.pick(&[0.0, 1e-3, 0.05]);
+            for _ in 0..1 + random.below(24) {
+                let direction = first.direction + random.vector() * spread;
+                rays.push(Ray {
+                    direction: Exact::normalize(direction),
+                    ..first
+                });
+            }
+        }
+        rays
+    }
+}
+
+#[test]
+fn rays_together_are_answered_as_the_kernels_do() {
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    for style in STYLES {
+        let scene = Owned::new(style, &mut random);
+        let kinds = scene.kinds();
+        for (name, level) in levels() {
+            for flat in [0, usize::MAX] {
+                let wide = Wide::with(kinds, level, flat);
+                let (mut met, mut dimmed) = (0, 0);
+                for _ in 0..100 {
+                    let rays = scene.bundle(&mut random);
+                    let mut hits = vec![None; rays.len()];
+                    let mut passed = vec![f32::NAN; rays.len()];
+                    lockstep::closest_hits(&wide, &rays, &mut hits);
+                    lockstep::transmittances(&wide, &rays, &mut passed);
+                    for ((ray, hit), passed) in rays.iter().zip(hits).zip(passed) {
+                        let expected = kinds.closest_hit(ray);
+                        let more = |hit: Option<Hit<'_, Material>>| {
+                            let point = |it: Hit<'_, _>| it.point.to_array().map(f32::to_bits);
+                            hit.map(|it| (point(it), it.material as *const Material))
+                        };
+                        let same = more(hit) == more(expected);
+                        assert!(
+                            same && bits(hit) == bits(expected),
+                            "{name} {style:?} {ray:?}"
+                        );
+                        let light = kinds.transmittance(ray);
+                        assert_eq!(
+                            passed.to_bits(),
+                            light.to_bits(),
+                            "{name} {style:?} {ray:?}"
+                        );
+                        met += u32::from(hit.is_some());
+                        dimmed += u32::from(light > 0.0 && light < 1.0);
+                    }
+                }
+                assert!(
+                    met > 400 && dimmed > 40,
+                    "{name} {style:?}: {met}, {dimmed}"
                 );
             }
         }

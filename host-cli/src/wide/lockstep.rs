@@ -71,7 +71,7 @@ pub fn closest_hits<'a>(
 #[inline(always)]
 fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
     simd: S,
-    tree: &Tree<N>,
+    tree: &'a Tree<N>,
     geometry: &'a Wide<'_, Material>,
     rays: &[Ray],
     hits: &mut [Option<Hit<'a, Material>>],
@@ -85,18 +85,17 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
         group.surfaces(simd, hit);
         let found = &group.hits;
         for (lane, to) in hits.iter_mut().enumerate() {
-            let object = found.object[lane] as usize;
-            *to = (hit >> lane & 1 != 0)
-                .then(|| geometry.parts.material(object))
-                .flatten()
-                .map(|material| Hit {
+            *to = match found.material[lane] {
+                Some(material) if hit >> lane & 1 != 0 => Some(Hit {
                     t: found.t[lane],
                     point: found.point.get(lane),
                     normal: found.normal.get(lane),
                     front: found.front >> lane & 1 != 0,
-                    object,
+                    object: found.object[lane] as usize,
                     material,
-                });
+                }),
+                _ => None,
+            };
         }
     }
 }
@@ -119,10 +118,11 @@ fn each_transmittance<S: Simd, V: Lanes<S>, const N: usize>(
     Tree<N>: Vector<S, Lanes = V>,
 {
     let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
+    let mut occluder = u32::MAX;
     for (rays, to) in rays.chunks(N).zip(passed.chunks_mut(N)) {
         let active = group.shadows.take(rays, geometry.len());
         let mut passed = [0.0; N];
-        group.cast_shadows(simd, active, false, &mut passed);
+        group.cast_shadows(simd, active, false, &mut occluder, &mut passed);
         to.copy_from_slice(&passed[..to.len()]);
     }
 }
@@ -198,9 +198,10 @@ struct Path {
 }
 
 /// What the lanes' rays hit, and what it is made of.
-struct Hits<const N: usize> {
+struct Hits<'a, const N: usize> {
     t: [f32; N],
     object: [u32; N],
+    material: [Option<&'a Material>; N],
     point: Rows<N>,
     normal: Rows<N>,
     /// A bit a lane: whether its ray came from outside.
@@ -230,9 +231,11 @@ struct Group<'a, L, const N: usize> {
     radiance: Rows<N>,
     /// Refracted rays, of which each depth leaves at most one.
     waiting: [Vec<Path>; N],
-    hits: Hits<N>,
+    hits: Hits<'a, N>,
     /// Towards one light.
     shadows: Beams<N>,
+    /// For each light an object that was seen to hide it; `u32::MAX` for none.
+    occluders: Vec<u32>,
 }
 
 impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
@@ -249,6 +252,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             hits: Hits {
                 t: [0.0; N],
                 object: [0; N],
+                material: [None; N],
                 point: Rows::ZERO,
                 normal: Rows::ZERO,
                 front: 0,
@@ -263,6 +267,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 ior: [1.0; N],
             },
             shadows: Beams::NONE,
+            occluders: vec![u32::MAX; job.lights.len()],
         }
     }
 
@@ -302,6 +307,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             if hit != 0 {
                 counters.hits += u64::from(hit.count_ones());
                 self.surfaces(simd, hit);
+                self.finishes(hit);
                 self.direct(simd, hit, first, counters);
                 going_on = self.children(simd, hit, counters);
             }
@@ -399,7 +405,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         hit
     }
 
-    /// Looks up what was hit.
+    /// Looks up where and what the surfaces are that were hit.
     #[inline(always)]
     fn surfaces<S: Simd, V: Lanes<S>>(&mut self, simd: S, hit: u32)
     where
@@ -412,30 +418,19 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let (mut spheres, mut hollow) = (0_u32, 0_u32);
         for lane in Set(hit) {
             let object = hits.object[lane] as usize;
-            let material;
             if let Some(it) = parts.spheres.objects.get(object) {
                 hits.normal.set(lane, it.shape.center);
                 spheres |= 1 << lane;
                 hollow |= u32::from(!(it.shape.radius > 0.0)) << lane;
-                material = it.material;
+                hits.material[lane] = Some(it.material);
             } else {
                 let ray = self.beams.ray(lane);
-                // Every hit is of an object.
-                let Some((normal, of)) = geometry.surface::<Exact>(&ray, hits.t[lane], object, 0)
-                else {
-                    continue;
-                };
-                hits.normal.set(lane, normal);
-                material = of;
+                let surface = geometry.surface::<Exact>(&ray, hits.t[lane], object, 0);
+                hits.material[lane] = surface.map(|(normal, material)| {
+                    hits.normal.set(lane, normal);
+                    material
+                });
             }
-            hits.color.set(lane, material.color);
-            hits.ambient[lane] = material.ambient;
-            hits.diffuse[lane] = material.diffuse;
-            hits.specular[lane] = material.highlight.specular;
-            hits.shininess[lane] = material.highlight.shininess;
-            hits.reflectance[lane] = material.reflection.reflectance;
-            hits.transmittance[lane] = material.transmission.transmittance;
-            hits.ior[lane] = material.transmission.ior;
         }
         let (origin, direction) = (
             self.beams.origin.load::<S, V>(simd),
@@ -461,6 +456,26 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         hits.mirrored.store(direction - normal * twice);
     }
 
+    /// Copies what surfaces are made of.
+    #[inline(always)]
+    fn finishes(&mut self, hit: u32) {
+        let hits = &mut self.hits;
+        for lane in Set(hit) {
+            // Every hit is of an object.
+            let Some(material) = hits.material[lane] else {
+                continue;
+            };
+            hits.color.set(lane, material.color);
+            hits.ambient[lane] = material.ambient;
+            hits.diffuse[lane] = material.diffuse;
+            hits.specular[lane] = material.highlight.specular;
+            hits.shininess[lane] = material.highlight.shininess;
+            hits.reflectance[lane] = material.reflection.reflectance;
+            hits.transmittance[lane] = material.transmission.transmittance;
+            hits.ior[lane] = material.transmission.ior;
+        }
+    }
+
     /// As the tracer's `direct`, for the lanes that hit something.
     #[inline(always)]
     fn direct<S: Simd, V: Lanes<S>>(
@@ -472,13 +487,14 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
     ) where
         Tree<N>: Vector<S, Lanes = V>,
     {
-        let job = &self.job;
+        let job = self.job;
+        let mut occluders = core::mem::take(&mut self.occluders);
         let (zero, one) = (V::simd_from(simd, 0.0), V::simd_from(simd, 1.0));
         let throughput = V::from_slice(simd, &self.throughput);
         let color = self.hits.color.load::<S, V>(simd);
         let share = V::from_slice(simd, &self.hits.ambient) * throughput;
         let mut light = color * Vectors::splat(simd, job.ambient) * share;
-        for source in job.lights {
+        for (source, occluder) in job.lights.iter().zip(&mut occluders) {
             let hits = &self.hits;
             let position = Vectors::splat(simd, source.position());
             let to_light = position - hits.point.load(simd);
@@ -509,7 +525,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 distance.store_slice(&mut self.shadows.end);
                 self.shadows.left = hits.object;
                 self.shadows.inward = !hits.front;
-                self.cast_shadows(simd, lit, together, &mut passed);
+                self.cast_shadows(simd, lit, together, occluder, &mut passed);
             }
             let hits = &self.hits;
             let passed = V::from_slice(simd, &passed);
@@ -528,19 +544,22 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             }
             light = mask_of(lit, light + term * weight * passed, light);
         }
+        self.occluders = occluders;
         let hit = V::Mask::from_bitmask(simd, hit.into());
         let radiance = self.radiance.load(simd);
         self.radiance
             .store(mask_of(hit, radiance + light, radiance));
     }
 
-    /// Which share of a light arrives at the lanes' hit points.
+    /// Which share of a light arrives at the lanes' hit points. What hid it last is asked first: shadows
+    /// are larger than a group of pixels.
     #[inline(always)]
     fn cast_shadows<S: Simd, V: Lanes<S>>(
         &self,
         simd: S,
-        lit: u32,
+        mut lit: u32,
         together: bool,
+        occluder: &mut u32,
         passed: &mut [f32; N],
     ) where
         Tree<N>: Vector<S, Lanes = V>,
@@ -554,6 +573,20 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let terms = Terms::<V, _>::new(simd, beams);
             across::transmittance(simd, parts, &terms, beams, lit, passed);
             return;
+        }
+        if *occluder != u32::MAX && lit & !regular == 0 {
+            let terms = Terms::<V, _>::new(simd, beams);
+            let ends = V::from_slice(simd, &beams.end);
+            let kind = parts.kind(*occluder as usize);
+            let meeting = across::object(simd, parts, kind, *occluder as usize, &terms, ends);
+            let dark = meeting.met.to_bitmask() as u32 & lit;
+            for lane in Set(dark) {
+                passed[lane] = 0.0;
+            }
+            lit &= !dark;
+            if lit == 0 {
+                return;
+            }
         }
         let mut light = [Transmittance::default(); N];
         if (together || lit.count_ones() >= TOGETHER) && lit & !regular == 0 && lit.count_ones() > 1
@@ -572,6 +605,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 beams,
                 light,
                 dark,
+                occluder,
                 absorb: |ray: &Ray, object: u32, light: &mut Transmittance| {
                     parts.absorbs_met::<Exact>(ray, object as usize, 0, light)
                 },

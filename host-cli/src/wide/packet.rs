@@ -241,7 +241,8 @@ impl<const N: usize> Tree<N> {
         Self: Vector<S>,
     {
         for (lane, limit) in limits.iter_mut().enumerate() {
-            if packet.active >> lane & 1 == 0 {
+            // Nothing is before such an end, which may be no number: that is not to be all rays' limit.
+            if packet.active >> lane & 1 == 0 || !(*limit > 0.0) {
                 *limit = f32::NEG_INFINITY;
             }
         }
@@ -448,6 +449,8 @@ pub struct LightOfEach<'a, F, const N: usize> {
     pub light: [Transmittance; N],
     /// A bit for each ray that nothing is left for.
     pub dark: u32,
+    /// Becomes the object that hid all light from a ray last.
+    pub occluder: &'a mut u32,
     /// Takes what an object absorbs; true where that is all that was left.
     pub absorb: F,
 }
@@ -458,6 +461,9 @@ where
 {
     #[inline(always)]
     fn visit(&mut self, ray: usize, _: f32, object: u32, opaque: bool) -> f32 {
+        if opaque {
+            *self.occluder = object;
+        }
         if opaque || (self.absorb)(&self.beams.ray(ray), object, &mut self.light[ray]) {
             self.dark |= 1 << ray;
             f32::NEG_INFINITY

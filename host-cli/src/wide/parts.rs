@@ -7,6 +7,7 @@ use whitted::{
     Triangle, Vec3,
 };
 
+use super::blocks::Kind;
 use super::bounds::STEEP;
 
 /// Objects of one kind.
@@ -176,10 +177,17 @@ impl<'a, M> Parts<'a, M> {
         None
     }
 
-    /// What an object is made of.
-    pub fn material(&self, object: usize) -> Option<&'a M> {
-        with_object!(self, object, |it| Some(it.material));
-        None
+    /// A kind by whose kernel to cast many rays into an object that is in a block.
+    pub fn kind(&self, object: usize) -> Kind {
+        if self.spheres.holds(object) {
+            Kind::Sphere
+        } else if self.cuboids.holds(object) {
+            Kind::Cuboid
+        } else if self.frusta.holds(object) {
+            Kind::Frustum
+        } else {
+            Kind::Outline
+        }
     }
 
     /// Whether an object is flat: no ray that leaves it meets it again, and none meets it twice.

@@ -12,7 +12,7 @@ use super::rays::RayTerms;
 #[repr(C, align(64))]
 pub struct Spheres {
     center: [[f32; LANES]; 3],
-    /// Not a number where there is no sphere, or one without a surface: that is never met.
+    /// Minus infinity where there is no sphere, or one without a surface: that is never met.
     radius_squared: [f32; LANES],
 }
 
@@ -20,7 +20,7 @@ impl Spheres {
     pub fn new(spheres: impl Iterator<Item = Sphere>) -> Self {
         let mut block = Self {
             center: [[0.0; LANES]; 3],
-            radius_squared: [f32::NAN; LANES],
+            radius_squared: [f32::NEG_INFINITY; LANES],
         };
         for (lane, sphere) in spheres.enumerate() {
             for (row, x) in block.center.iter_mut().zip(sphere.center.to_array()) {
@@ -65,17 +65,18 @@ pub fn meet<S: Simd, V: Lanes<S>, const HOLLOW: bool>(
 ) -> Meeting<V, V::Mask> {
     let to_center = center - origin;
     let approach = to_center.dot(direction);
-    let miss = direction * approach - to_center;
-    let square = radius_squared - miss.dot(miss);
-    const SLACK: f32 = 1.0 / (1_u64 << 40) as f32;
-    let near = square.simd_ge(approach * approach * -SLACK);
-    if !near.any_true() {
+    let distance_squared = to_center.dot(to_center);
+    // As the kernel, what surely misses goes first.
+    const CERTAIN: f32 = 1.0 - 1.0 / (1_u32 << 18) as f32;
+    let least = distance_squared * V::simd_from(simd, CERTAIN) - radius_squared;
+    if (approach * approach).simd_lt(least).all_true() {
         return nothing(simd);
     }
     let zero = V::simd_from(simd, 0.0);
+    let miss = direction * approach - to_center;
     let along = miss.dot(direction);
-    let half_chord_squared = square + along * along;
-    let met = near & half_chord_squared.simd_ge(zero);
+    let half_chord_squared = radius_squared - miss.dot(miss) + along * along;
+    let met = half_chord_squared.simd_ge(zero);
     let half_chord = half_chord_squared.sqrt();
     let exit = approach + (half_chord - along);
     // Rounding is monotonic: the exit is never before the entry.
