@@ -14,7 +14,7 @@ use glam::Vec3;
 use crate::camera::Rays;
 use crate::geometry::{Geometry, Object, any_absorbs, any_blocks, nearest_of};
 use crate::material::Finish;
-use crate::math::{Exact, Math, Transmittance};
+use crate::math::{self, Exact, Math, Transmittance};
 use crate::ray::Ray;
 use crate::scene::{Light, LightSource};
 use crate::shape::Shape;
@@ -39,12 +39,6 @@ impl Candidates {
         } else {
             self
         }
-    }
-
-    /// What is in both.
-    #[inline(always)]
-    pub const fn and(self, other: Self) -> Self {
-        Self(self.0 & other.0)
     }
 
     /// Whether an object is one of them.
@@ -175,7 +169,8 @@ impl<G: Geometry> Iterator for Aimed<'_, G> {
         if column >= self.end {
             self.end = column.saturating_add(SPAN);
             if let Some(fan) = &self.fan {
-                self.candidates = self.geometry.candidates(&fan.beam(column, self.end), 0);
+                let beam = fan.beam(column, self.end);
+                self.candidates = self.geometry.candidates(&beam, 0, Candidates::ALL);
             }
         }
         ray.candidates = self.candidates;
@@ -247,14 +242,14 @@ impl<S: Shape, M, const N: usize> Geometry for Culled<'_, S, M, N> {
     }
 
     #[inline]
-    fn candidates(&self, beam: &Beam, first: usize) -> Candidates {
-        let mut candidates = Candidates::ALL;
+    fn candidates(&self, beam: &Beam, first: usize, mut among: Candidates) -> Candidates {
         for (place, object) in (first..31).zip(self.0) {
+            math::keep_rolled();
             if object.shape.is_missed(beam) {
-                candidates = candidates.without(place);
+                among = among.without(place);
             }
         }
-        candidates
+        among
     }
 
     #[inline]
@@ -607,7 +602,6 @@ mod tests {
         let found: [bool; 5] = [0, 1, 30, 31, 99].map(|it| some.contain(it));
         assert_eq!(found, [false, true, false, true, true]);
         assert_eq!(some.from(29), -2 & !2 | 1);
-        assert_eq!(some.and(Candidates::ALL.without(1)).from(0) & 3, 0);
         assert_eq!(Candidates::ALL.from(1_000_000), -1);
     }
 

@@ -51,12 +51,12 @@ pub trait Geometry {
         self.len() == 0
     }
 
-    /// The objects that a ray of the beam may meet: all, by default. A part of a geometry takes out some
-    /// of its own.
+    /// Of some objects those that a ray of the beam may meet: all, by default. A part of a geometry takes
+    /// out some of its own.
     #[inline(always)]
-    fn candidates(&self, beam: &Beam, first: usize) -> Candidates {
+    fn candidates(&self, beam: &Beam, first: usize, among: Candidates) -> Candidates {
         let _ = (beam, first);
-        Candidates::ALL
+        among
     }
 
     /// Finds the nearest point that the ray admits, makes its distance the ray's `t_max`, and tells
@@ -276,9 +276,9 @@ impl<A: Geometry, B: Geometry<Material = A::Material>> Geometry for (A, B) {
     }
 
     #[inline(always)]
-    fn candidates(&self, beam: &Beam, first: usize) -> Candidates {
-        let left = self.0.candidates(beam, first);
-        left.and(self.1.candidates(beam, first + self.0.len()))
+    fn candidates(&self, beam: &Beam, first: usize, among: Candidates) -> Candidates {
+        let among = self.0.candidates(beam, first, among);
+        self.1.candidates(beam, first + self.0.len(), among)
     }
 
     #[inline(always)]
@@ -328,8 +328,8 @@ impl<G: Geometry + ?Sized> Geometry for &G {
     }
 
     #[inline(always)]
-    fn candidates(&self, beam: &Beam, first: usize) -> Candidates {
-        (**self).candidates(beam, first)
+    fn candidates(&self, beam: &Beam, first: usize, among: Candidates) -> Candidates {
+        (**self).candidates(beam, first, among)
     }
 
     #[inline(always)]
