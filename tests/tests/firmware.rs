@@ -143,6 +143,45 @@ fn every_target_draws_what_the_host_draws() {
     draw_all(&targets, &directory, &collections).unwrap();
 }
 
+/// The code of the page for firmware's authors, as one program: the scene, the start, the panic handler.
+fn page() -> String {
+    let page = include_str!("../../core/FIRMWARE.md");
+    let blocks: Vec<_> = page.split("```").skip(1).step_by(2).collect();
+    let with = |what: &str| {
+        let block = blocks.iter().find(|block| block.contains(what));
+        // After the language's name; what `#` hides is rustdoc's, and the program's attributes come first.
+        let lines = block.expect(what).lines().skip(1);
+        let code = lines.filter(|line| !line.starts_with("# ") && !line.starts_with("#!["));
+        code.collect::<Vec<_>>().join("\n")
+    };
+    ["fn frame<", "cortex_m_rt::entry", "#[panic_handler]"]
+        .map(with)
+        .join("\n\n")
+}
+
+#[test]
+fn the_page_for_authors_is_a_program_that_draws_on_every_arm_part() {
+    let has_runtime = |target: &Target| target.triple.starts_with("thumb") && can_run(target);
+    let targets: Vec<_> = TARGETS.into_iter().filter(has_runtime).collect();
+    let file = firmware::build_directory().join("page.rs");
+    std::fs::create_dir_all(firmware::build_directory()).unwrap();
+    baked::write_changed(&file, &page()).unwrap();
+    let request = Request {
+        programs: &["page"],
+        features: &["page"],
+        page: Some(&file),
+        ..Request::default()
+    };
+    // It links only if no panic can be reached from it.
+    let built = firmware::build(&targets, request).unwrap();
+    let drawn: BTreeSet<_> = targets
+        .iter()
+        .zip(&built)
+        .map(|(target, built)| run::run(target, &built["page"]).unwrap()["565"])
+        .collect();
+    assert!(drawn.len() == targets.len().min(1), "{drawn:x?}");
+}
+
 #[test]
 #[ignore = "draws for many minutes: cargo test -p whitted-tests --test firmware -- --ignored"]
 fn every_target_draws_large_pictures_as_the_host_does() {

@@ -26,6 +26,8 @@ pub struct Request<'a> {
     pub rustflags: &'a [&'a str],
     /// Where `whitted bake` has put scenes.
     pub baked: Option<&'a Path>,
+    /// Where the code of the page for firmware's authors is.
+    pub page: Option<&'a Path>,
     /// Build the project at this root instead: a copy of it.
     pub root: Option<&'a Path>,
 }
@@ -110,6 +112,9 @@ fn build_group(targets: &[Target], flags: &[&str], request: &Request<'_>) -> Res
     }
     if let Some(baked) = request.baked {
         command.env("WHITTED_BAKED", baked);
+    }
+    if let Some(page) = request.page {
+        command.env("WHITTED_PAGE", page);
     }
     // Flags go into every crate, also into the compiler's own: apart, or all of them would be built
     // again each time that the flags change.
