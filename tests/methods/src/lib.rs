@@ -14,6 +14,7 @@ pub mod compensated;
 pub mod cuboid;
 pub mod frames;
 pub mod frustum;
+pub mod grid;
 pub mod plane;
 pub mod polygon;
 pub mod power;

@@ -12,11 +12,14 @@
 use core::hint::black_box;
 
 use glam::Vec3;
-use whitted::{Cuboid, Exact, Frustum, Math, Plane, Polygon, Ray, Sphere, Triangle};
+use whitted::{Cuboid, Exact, Frustum, Grid, Math, Plane, Polygon, Ray, Sphere, Triangle};
 
+use crate::grid::Course;
 use crate::plane::PlaneForms;
 use crate::secondary::{Leaving, Start};
-use crate::{Method, cuboid, frustum, plane, polygon, power, roots, secondary, sphere, triangle};
+use crate::{
+    Method, cuboid, frustum, grid, plane, polygon, power, roots, secondary, sphere, triangle,
+};
 
 /// Name of the method that is subtracted.
 pub const EMPTY: &str = "empty";
@@ -57,6 +60,7 @@ pub fn all(meter: &mut impl Meter) {
         price_frusta(meter, case, hit);
     }
     price_planes(meter);
+    price_grids(meter);
     price_setups(meter);
     price_secondary(meter);
     price_roots(meter);
@@ -187,6 +191,15 @@ fn price_planes(meter: &mut impl Meter) {
         &inputs,
         |f, (ray, plane)| f(ray, plane).is_some(),
     );
+}
+
+#[inline(never)]
+fn price_grids(meter: &mut impl Meter) {
+    let (methods, inputs) = (grid::METHODS, courses());
+    let empty: grid::Walks = (|_| 0.0, |_, _| ());
+    stage(meter, ["grid", ""], methods, empty, &inputs, |f, it| {
+        f.0(it)
+    });
 }
 
 /// What a ray costs once for all polygons or boxes. Each returns another type; of all of them a vector
@@ -408,6 +421,22 @@ pub fn planes() -> [(Ray, PlaneForms); CALLS] {
                 return (ray, PlaneForms::new(Plane { point, normal }));
             }
         }
+    })
+}
+
+/// Walks over 32 borders of a map that they do not leave.
+pub fn courses() -> [Course; CALLS] {
+    let mut random = Random(8);
+    let grid = Grid {
+        width: 80,
+        depth: 80,
+        cells: &[],
+    };
+    core::array::from_fn(|_| Course {
+        grid,
+        origin: Vec3::splat(40.0) + random.vector(),
+        direction: random.direction(),
+        steps: 32,
     })
 }
 

@@ -19,6 +19,7 @@
 
 pub mod cuboid;
 pub mod frustum;
+pub mod grid;
 pub mod number;
 pub mod plane;
 pub mod polygon;

@@ -44,6 +44,12 @@ pub const SUBJECTS: &[Subject] = &[
     subject("polygon", "Ray and hexagon", Measure::Backward, &[]),
     subject("cuboid", "Ray and box", Measure::Backward, &[]),
     subject("frustum", "Ray and cone", Measure::Backward, &[]),
+    subject(
+        "grid",
+        "Walk over 32 borders of a grid",
+        Measure::Backward,
+        &[],
+    ),
     subject("secondary", "Start of a secondary ray", Measure::Wrong, &[]),
     subject("sqrt", "Square root", Measure::Relative, &[]),
     subject("rsqrt", "Reciprocal square root", Measure::Relative, &[]),

@@ -6,6 +6,7 @@ pub mod cycles;
 pub mod frames;
 pub mod front;
 pub mod frustum;
+pub mod grid;
 pub mod mesh;
 pub mod plane;
 pub mod polygon;
@@ -95,6 +96,7 @@ pub fn measure(
     stage::<cuboid::Cuboids>(&mut rows, plan, &wanted, progress);
     stage::<frustum::Frusta>(&mut rows, plan, &wanted, progress);
     stage::<quadric::Quadrics>(&mut rows, plan, &wanted, progress);
+    stage::<grid::Grids>(&mut rows, plan, &wanted, progress);
     stage::<secondary::Secondary>(&mut rows, plan, &wanted, progress);
     stage::<roots::Sqrt>(&mut rows, plan, &wanted, progress);
     stage::<roots::Rsqrt>(&mut rows, plan, &wanted, progress);
