@@ -3,6 +3,7 @@
 
 pub mod baked;
 pub mod chart;
+pub mod columns;
 pub mod copy;
 pub mod cortex_m4;
 pub mod expected;

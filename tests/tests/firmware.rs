@@ -17,7 +17,7 @@ use whitted_tests::embedded::hierarchy::{self, Saving};
 use whitted_tests::embedded::image::Image;
 use whitted_tests::embedded::measure::{self, Row, Variant};
 use whitted_tests::embedded::target::{CORTEX_M4F, HOST, Machine, TARGETS, Target};
-use whitted_tests::embedded::{baked, chart, run};
+use whitted_tests::embedded::{baked, chart, columns, run};
 
 /// What the host draws.
 fn expected() -> &'static [(String, Expected)] {
@@ -135,6 +135,7 @@ fn every_target_draws_what_the_host_draws() {
         "c-ray",
         "tiny",
         "outside",
+        "maze",
     ];
     let frames = expected()
         .iter()
@@ -180,6 +181,32 @@ fn the_page_for_authors_is_a_program_that_draws_on_every_arm_part() {
         .map(|(target, built)| run::run(target, &built["page"]).unwrap()["565"])
         .collect();
     assert!(drawn.len() == targets.len().min(1), "{drawn:x?}");
+}
+
+#[test]
+fn every_target_draws_the_columns_of_the_host() {
+    let all = TARGETS.into_iter().chain([HOST]);
+    let targets: Vec<_> = all.filter(can_run).collect();
+    columns::check(&targets).unwrap();
+}
+
+#[test]
+fn columns_take_what_the_chart_says() {
+    if !can_run(&CORTEX_M4F) {
+        return;
+    }
+    let compiler = compiler().unwrap();
+    let table = columns::read().unwrap();
+    for cost in columns::measure(&[CORTEX_M4F], compiler, plugin()).unwrap() {
+        let known = table.iter().find(|known| known.target == cost.target);
+        let known = known.unwrap();
+        if known.compiler == compiler {
+            assert_eq!(&cost, known, "run tests/embedded.sh table and look at it");
+        } else {
+            say(&format!("NOT COMPARED: {} made {known:?}", known.compiler));
+        }
+        assert_eq!(cost.support, 0, "arithmetic in software on a part with FPU");
+    }
 }
 
 #[test]
@@ -466,7 +493,7 @@ const FEATURES: &[Feature] = &[
     Feature {
         name: "spheres",
         bodies: &[intersect("core/src/shape/sphere.rs")],
-        named_by: |program| !is_one_of(program, &["empty", "rays", "outside"]),
+        named_by: |program| !is_one_of(program, &["empty", "rays", "outside", "maze"]),
     },
     Feature {
         name: "planes",
@@ -534,6 +561,7 @@ const FEATURES: &[Feature] = &[
                 "c-ray",
                 "tiny",
                 "outside",
+                "maze",
             ];
             is_on_or_above(program, "mirrors") || is_one_of(program, &others)
         },
@@ -551,6 +579,11 @@ const FEATURES: &[Feature] = &[
             let others = ["spheres-and-plane", "six-spheres", "tiny"];
             is_on_or_above(program, "glass") || is_one_of(program, &others)
         },
+    },
+    Feature {
+        name: "maps",
+        bodies: &[body("core/src/grid.rs", &["impl<'a> Walk<'a>", "fn step("])],
+        named_by: |program| program == "maze",
     },
     Feature {
         name: "triangles, patches, exponents that are not whole",

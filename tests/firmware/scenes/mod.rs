@@ -66,6 +66,7 @@ macro_rules! frame {
     };
 }
 
+pub mod castle;
 pub mod checkerboard;
 pub mod ladder;
 pub mod layouts;
@@ -77,6 +78,7 @@ pub fn visit_all(visitor: &mut impl Visitor) {
     ladder::visit_all(visitor);
     layouts::visit_all(visitor);
     outside::visit_all(visitor);
+    castle::visit_all(visitor);
 }
 
 /// Shows enough frames to the visitor to meet everything that `core` can draw.
@@ -85,6 +87,7 @@ pub fn visit_varied(visitor: &mut impl Visitor) {
     visitor.visit::<ladder::Everything>("everything");
     layouts::visit_all(visitor);
     outside::visit_all(visitor);
+    castle::visit_all(visitor);
 }
 
 #[inline(always)]

@@ -35,7 +35,11 @@ pub mod baked;
 pub use glam::Vec3;
 pub use whitted::math::sqrt;
 
+use core::hash::Hasher;
 use core::hint::black_box;
+
+use embedded_graphics::pixelcolor::{IntoStorage, Rgb565};
+use fnv::FnvHasher;
 
 use checksum::Checksums;
 use panel::Panel;
@@ -87,6 +91,30 @@ pub fn draw_panel(panel: &mut Panel, render: impl Fn(&mut Panel)) {
     depth.of(|| render(black_box(&mut *panel)));
     depth.report();
     report("565", panel.checksum());
+}
+
+/// Draws a picture column by column, and reports the checksum of its pixels.
+#[inline(always)]
+pub fn draw_columns<T, const HEIGHT: usize>(
+    width: u32,
+    start: impl FnOnce() -> T,
+    mut render_column: impl FnMut(&T, u32) -> [Rgb565; HEIGHT],
+) {
+    let mut depth = Depth::default();
+    let mut sent = FnvHasher::default();
+    let mut picture = None;
+    depth.of(|| picture = Some(start()));
+    for x in 0..width {
+        depth.of(|| {
+            if let Some(picture) = &picture {
+                for pixel in render_column(picture, x) {
+                    sent.write(&pixel.into_storage().to_be_bytes());
+                }
+            }
+        });
+    }
+    depth.report();
+    report("565", sent.finish());
 }
 
 /// Draws frames in all ways, one after the other, into memory that is there once.

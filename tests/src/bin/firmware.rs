@@ -2,8 +2,8 @@
 //!
 //! `firmware table` rewrites the table under `tests/charts`; `firmware show TARGET [RUSTFLAG..]` tells
 //! what every program takes there; `firmware peer TARGET [RUSTFLAG..]` compares with plain C;
-//! `firmware hierarchy` rewrites only what is told of
-//! hierarchies; `firmware annotate PROGRAM` shows where its cycles go.
+//! `firmware hierarchy` and `firmware columns` rewrite only what is told of hierarchies, and of maps
+//! by columns; `firmware annotate PROGRAM` shows where its cycles go.
 
 use std::env;
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ use whitted_tests::embedded::image::Image;
 use whitted_tests::embedded::instructions::Decoder;
 use whitted_tests::embedded::measure::{self, PEERS, Row, Variant, in_c};
 use whitted_tests::embedded::target::{CORTEX_M4F, Target};
-use whitted_tests::embedded::{chart, cortex_m4, firmware, hierarchy, run};
+use whitted_tests::embedded::{chart, columns, cortex_m4, firmware, hierarchy, run};
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -23,8 +23,14 @@ fn main() -> Result<()> {
         ["table"] => {
             let (compiler, plugin) = (compiler()?, plugin()?);
             chart::write(&measure::table(&compiler, &plugin)?)?;
+            columns::write(&columns::measure(&columns::targets(), &compiler, &plugin)?)?;
             hierarchy::write(&hierarchy::measure(&hierarchy::COUNTS, &compiler, &plugin)?)
         }
+        ["columns"] => columns::write(&columns::measure(
+            &columns::targets(),
+            &compiler()?,
+            &plugin()?,
+        )?),
         ["hierarchy"] => {
             let savings = hierarchy::measure(&hierarchy::COUNTS, &compiler()?, &plugin()?)?;
             hierarchy::write(&savings)
@@ -33,7 +39,7 @@ fn main() -> Result<()> {
         ["peer", target, ref rustflags @ ..] => peer(target, rustflags),
         ["annotate", program] => annotate(program),
         _ => bail!(
-            "usage: firmware table | hierarchy | show TARGET [RUSTFLAG..] | peer TARGET [RUSTFLAG..] | \
+            "usage: firmware table | hierarchy | columns | show TARGET [RUSTFLAG..] | peer TARGET [RUSTFLAG..] | \
              annotate PROGRAM"
         ),
     }

@@ -1,0 +1,158 @@
+//! What a map by columns takes on the parts: a picture of 160×120 pixels, with textures and sprites.
+
+use std::hash::Hasher;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use embedded_graphics::pixelcolor::IntoStorage;
+use fnv::FnvHasher;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::firmware::{self, Request};
+use super::image::Image;
+use super::scenes::castle::{COLUMNS, COLUMNS_VIEW};
+use super::target::{CORTEX_M4F, Machine, TARGETS, Target};
+use super::{cortex_m4, run, stack};
+use crate::lab;
+
+/// The program.
+pub const PROGRAM: &str = "frame-columns";
+
+/// What it does once a frame, and for each column.
+const FUNCTIONS: [&str; 2] = ["start_picture", "render_column"];
+
+/// The picture on one target.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cost {
+    /// The compiler that made the program.
+    pub compiler: String,
+    /// As in [`Target::name`].
+    pub target: String,
+    /// Bytes of flash over the empty program, map and textures included, without the support library.
+    pub flash: i64,
+    /// Bytes of the compiler's support library.
+    pub support: u64,
+    /// Bytes of the stack below the caller, by the code.
+    pub stack_bound: u64,
+    /// Instructions a frame.
+    pub instructions: u64,
+    /// Estimated cycles a frame, on the Cortex-M4F.
+    pub cycles: Option<u64>,
+    /// Checksum of the pixels.
+    pub picture: String,
+}
+
+/// Checksum of the pixels that the host computes, column by column, high byte first.
+pub fn expected() -> u64 {
+    let mut hasher = FnvHasher::default();
+    let picture = COLUMNS.picture(&COLUMNS_VIEW);
+    for column in 0..COLUMNS_VIEW.width {
+        for pixel in picture.pixels(column) {
+            hasher.write(&pixel.into_storage().to_be_bytes());
+        }
+    }
+    hasher.finish()
+}
+
+/// Those on which instructions can be counted.
+pub fn targets() -> Vec<Target> {
+    let is_counted = |target: &Target| matches!(target.machine, Machine::Qemu(..));
+    TARGETS.into_iter().filter(is_counted).collect()
+}
+
+/// Draws the picture on each target and compares it with the host's.
+///
+/// # Errors
+///
+/// Where a program cannot be built or run, or draws another picture.
+pub fn check(targets: &[Target]) -> Result<()> {
+    let request = Request {
+        programs: &[PROGRAM],
+        ..Request::default()
+    };
+    let built = firmware::build(targets, request)?;
+    targets.iter().zip(&built).try_for_each(|(target, built)| {
+        let report = run::run(target, &built[PROGRAM])?;
+        check_report(&report).with_context(|| target.name)
+    })
+}
+
+fn check_report(report: &run::Report) -> Result<()> {
+    let (reported, expected) = (report.get("565").copied(), expected());
+    ensure!(
+        reported == Some(expected),
+        "the pixels' checksum is {reported:x?}, on the host {expected:x}"
+    );
+    Ok(())
+}
+
+/// Measures the program on QEMU's targets.
+///
+/// # Errors
+///
+/// As [`check`], and where it cannot be read.
+pub fn measure(targets: &[Target], compiler: &str, plugin: &Path) -> Result<Vec<Cost>> {
+    let request = Request {
+        programs: &["empty", PROGRAM],
+        ..Request::default()
+    };
+    let built = firmware::build(targets, request)?;
+    let costs = targets.par_iter().zip(&built).map(|(target, programs)| {
+        let (empty, image) = (
+            Image::read(&programs["empty"])?,
+            Image::read(&programs[PROGRAM])?,
+        );
+        let (report, profiles) = run::run_counted(target, &image, &FUNCTIONS, plugin)?;
+        check_report(&report).with_context(|| target.name)?;
+        let mut cost = Cost {
+            compiler: compiler.to_owned(),
+            target: target.name.to_owned(),
+            flash: own_flash(&image) - own_flash(&empty),
+            support: image.support_bytes(),
+            stack_bound: 0,
+            instructions: profiles.iter().map(|profile| profile.total()).sum(),
+            cycles: None,
+            picture: format!("{:016x}", expected()),
+        };
+        for function in FUNCTIONS {
+            cost.stack_bound = cost.stack_bound.max(stack::bound(&image, function)?.bytes);
+        }
+        if *target == CORTEX_M4F {
+            let totals = profiles
+                .iter()
+                .map(|profile| cortex_m4::total(&image, profile));
+            let totals = totals.collect::<Result<Vec<_>>>()?;
+            cost.cycles = Some(totals.iter().map(|total| total.total()).sum());
+        }
+        Ok(cost)
+    });
+    costs.collect()
+}
+
+fn own_flash(image: &Image) -> i64 {
+    image.flash as i64 - image.support_bytes() as i64
+}
+
+fn path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("charts/firmware-columns.csv")
+}
+
+/// What `tests/charts/firmware-columns.csv` says.
+///
+/// # Errors
+///
+/// Where it cannot be read.
+pub fn read() -> Result<Vec<Cost>> {
+    let mut reader = csv::Reader::from_path(path())?;
+    Ok(reader.deserialize().collect::<Result<_, _>>()?)
+}
+
+/// Writes that file.
+///
+/// # Errors
+///
+/// Where it cannot be written.
+pub fn write(costs: &[Cost]) -> Result<()> {
+    Ok(lab::table(&path(), costs)?)
+}
