@@ -76,6 +76,8 @@ pub mod scene;
 pub mod shape;
 pub mod trace;
 
+pub use embedded_graphics;
+
 pub use camera::{Camera, CameraError, View};
 pub use candidates::{Beam, Candidates, Culled, LightBuffer};
 pub use geometry::{Geometry, Object, Objects};

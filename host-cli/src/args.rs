@@ -35,7 +35,10 @@ pub enum Command {
 /// it is when anything fails. The picture is the same, byte for byte, for any number of threads.
 #[derive(Debug, Args)]
 pub struct Render {
-    /// Scene file, .nff or .toml; without one, the built-in scene
+    /// Scene file, .nff or .toml, or .map; without one, the built-in scene
+    ///
+    /// A map is drawn by columns, with textures and sprites and without light, unless --trace is
+    /// given.
     pub scene: Option<PathBuf>,
 
     /// Picture file, .ppm or .png; `-` writes a PPM to standard output
@@ -49,6 +52,10 @@ pub struct Render {
     /// Longest chain of rays, the eye ray counted as 1 [default: the scene's]
     #[arg(long, value_name = "N", value_parser = depth)]
     pub depth: Option<usize>,
+
+    /// Trace rays through a map, with its lights and materials; scenes always are traced
+    #[arg(long)]
+    pub trace: bool,
 
     /// Do not trace what weighs no more than this in its pixel; 1/512 = 0.00195 is below what 8 bits
     /// show
@@ -149,7 +156,9 @@ pub struct Inspect {
 /// replaced as a whole or stays as it is.
 #[derive(Debug, Args)]
 pub struct Bake {
-    /// Scene file, .nff or .toml
+    /// Scene file, .nff or .toml, or .map
+    ///
+    /// A map's module has both `COLUMNS`, to be drawn by columns, and `SCENE`, to be traced.
     pub scene: PathBuf,
 
     /// Rust file; `-` writes to standard output

@@ -8,6 +8,7 @@ use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write;
 use std::mem::size_of;
+use std::path::Path;
 
 use whitted::hierarchy::{Child, Node};
 use whitted::{Camera, Light, Object, View};
@@ -17,7 +18,10 @@ use kind::{Baked, Kind, Nodes};
 use source::{VECTOR, WORD, number, vector};
 use terms::Terms;
 
+pub use map::bake_map;
+
 mod kind;
+mod map;
 mod source;
 mod terms;
 
@@ -384,7 +388,7 @@ impl Baker {
         } else {
             1
         };
-        let mut text = self.header(scene, depth);
+        let mut text = self.header(&file.path, depth);
 
         if view.is_some() {
             self.import(&["Camera", "View"]);
@@ -419,24 +423,7 @@ impl Baker {
         lines!(text, "    ambient: {ambient},");
         lines!(text, "}};");
         if let Some(view) = view {
-            let Camera {
-                eye,
-                corner,
-                right,
-                down,
-            } = view.camera;
-            lines!(text, "\n/// The camera, and the size of the picture.");
-            lines!(text, "#[allow(clippy::approx_constant)]");
-            lines!(text, "pub const VIEW: View = View {{");
-            lines!(text, "    camera: Camera {{");
-            lines!(text, "        eye: {},", vector(eye));
-            lines!(text, "        corner: {},", vector(corner));
-            lines!(text, "        right: {},", vector(right));
-            lines!(text, "        down: {},", vector(down));
-            lines!(text, "    }},");
-            lines!(text, "    width: {},", view.width);
-            lines!(text, "    height: {},", view.height);
-            lines!(text, "}};");
+            text.push_str(&view_source(view));
         }
         lines!(
             text,
@@ -477,9 +464,8 @@ impl Baker {
     }
 
     /// What it is, and what it takes.
-    fn header(&self, scene: &HostScene<'_>, depth: usize) -> String {
+    fn header(&self, path: &Path, depth: usize) -> String {
         let mut text = String::new();
-        let path = &scene.file().path;
         let name = path
             .file_name()
             .unwrap_or(path.as_os_str())
@@ -514,6 +500,30 @@ impl Baker {
         );
         text
     }
+}
+
+/// A view as a constant.
+fn view_source(view: &View) -> String {
+    let mut text = String::new();
+    let Camera {
+        eye,
+        corner,
+        right,
+        down,
+    } = view.camera;
+    lines!(text, "\n/// The camera, and the size of the picture.");
+    lines!(text, "#[allow(clippy::approx_constant)]");
+    lines!(text, "pub const VIEW: View = View {{");
+    lines!(text, "    camera: Camera {{");
+    lines!(text, "        eye: {},", vector(eye));
+    lines!(text, "        corner: {},", vector(corner));
+    lines!(text, "        right: {},", vector(right));
+    lines!(text, "        down: {},", vector(down));
+    lines!(text, "    }},");
+    lines!(text, "    width: {},", view.width);
+    lines!(text, "    height: {},", view.height);
+    lines!(text, "}};");
+    text
 }
 
 const VECTOR_HELPER: &str = "

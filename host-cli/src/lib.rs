@@ -11,6 +11,7 @@ pub mod commands;
 pub mod compare;
 pub mod hierarchy;
 pub mod inspect;
+pub mod map;
 pub mod output;
 pub mod picture;
 pub mod render;

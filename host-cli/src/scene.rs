@@ -112,7 +112,7 @@ impl Pool {
     }
 }
 
-fn material(file: &scene_file::Material) -> Material {
+pub(crate) fn material(file: &scene_file::Material) -> Material {
     Material {
         color: color(file.color),
         ambient: file.ambient as f32,

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 mod error;
 pub mod limits;
+pub mod map;
 pub mod nff;
 mod scale;
 pub mod toml;

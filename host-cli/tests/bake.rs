@@ -9,10 +9,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use whitted::Vec3;
-use whitted_cli::bake::{Module, bake};
+use whitted::embedded_graphics::pixelcolor::{IntoStorage, Rgb565, Rgb888};
+use whitted_cli::bake::{Module, bake, bake_map};
+use whitted_cli::map::HostMap;
 use whitted_cli::render::{Settings, render};
 use whitted_cli::scene::{HostScene, Pool};
-use whitted_cli::scene_file::{self, SceneFile};
+use whitted_cli::scene_file::{self, SceneFile, map};
 
 const WIDTH: u32 = 40;
 const HEIGHT: u32 = 30;
@@ -171,6 +173,52 @@ fn nothing() -> Baked {
     )
 }
 
+fn castle_path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/castle.map")
+}
+
+/// A map, traced.
+fn castle() -> Baked {
+    let file = map::read(&castle_path()).unwrap();
+    let host = HostMap::new(&file);
+    let view = host.view(WIDTH, HEIGHT).unwrap();
+    let settings = Settings {
+        depth: file.depth,
+        threshold: 0.0,
+    };
+    let mut checksum = FNV_OFFSET;
+    let emit = |pixels: &[Vec3]| {
+        for channel in pixels.iter().flat_map(|it| it.to_array()) {
+            checksum = fnv(checksum, channel);
+        }
+        Ok::<_, Infallible>(())
+    };
+    let Ok(_) = host.trace(&view, 0..HEIGHT, settings, || (), emit);
+    Baked {
+        name: "castle".to_owned(),
+        module: bake_map(&host, &view),
+        checksum,
+    }
+}
+
+/// The same map by columns: the pixels of a display, row by row.
+fn castle_columns() -> u64 {
+    let file = map::read(&castle_path()).unwrap();
+    let host = HostMap::new(&file);
+    let view = host.view(WIDTH, HEIGHT).unwrap();
+    let mut checksum = FNV_OFFSET;
+    let emit = |pixels: &[Vec3]| {
+        for pixel in pixels {
+            let [red, green, blue] = whitted::picture::to_rgb8(*pixel);
+            let color = Rgb565::from(Rgb888::new(red, green, blue));
+            checksum = fnv(checksum, color.into_storage().into());
+        }
+        Ok::<_, Infallible>(())
+    };
+    let Ok(()) = host.draw(&view, 0..HEIGHT, emit);
+    checksum
+}
+
 fn builtin() -> Baked {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/builtin.toml");
     Baked::new("builtin", &scene_file::read(&path).unwrap())
@@ -285,7 +333,15 @@ fn cargo() -> Command {
 
 #[test]
 fn baked_scenes_show_the_bits_of_their_files() {
-    let mut scenes = vec![matte(), crowd(), tiny(), few(), nothing(), builtin()];
+    let mut scenes = vec![
+        matte(),
+        crowd(),
+        tiny(),
+        few(),
+        nothing(),
+        builtin(),
+        castle(),
+    ];
     scenes.extend(standard());
     let source = place().join("src");
     fs::create_dir_all(&source).unwrap();
@@ -310,7 +366,7 @@ fn baked_scenes_show_the_bits_of_their_files() {
     for Baked { name, .. } in &scenes {
         let _ = writeln!(main, "    show!({name});");
     }
-    main.push_str("}\n");
+    main.push_str("    columns();\n}\n");
     fs::write(source.join("main.rs"), main).unwrap();
 
     let output = cargo()
@@ -320,10 +376,11 @@ fn baked_scenes_show_the_bits_of_their_files() {
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");
     assert_eq!(errors, "", "no warnings either");
-    let expected: String = scenes
+    let mut expected: String = scenes
         .iter()
         .map(|it| format!("{} {:016x}\n", it.name, it.checksum))
         .collect();
+    let _ = writeln!(expected, "columns {:016x}", castle_columns());
     assert_eq!(String::from_utf8_lossy(&output.stdout), expected);
     assert_formatted(&source, &scenes);
 }
@@ -348,6 +405,21 @@ macro_rules! show {
         }
         println!(\"{} {checksum:016x}\", stringify!($scene));
     }};
+}
+
+fn columns() {
+    use whitted::embedded_graphics::pixelcolor::IntoStorage;
+
+    let picture = castle::COLUMNS.picture(&castle::VIEW);
+    let mut checksum = 0xcbf2_9ce4_8422_2325;
+    for row in 0..castle::VIEW.height {
+        for column in 0..castle::VIEW.width {
+            if let Some(color) = picture.pixels(column).nth(row as usize) {
+                checksum = fnv(checksum, color.into_storage().into());
+            }
+        }
+    }
+    println!(\"columns {checksum:016x}\");
 }
 
 ";

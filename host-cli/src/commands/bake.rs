@@ -7,21 +7,29 @@ use anyhow::{Context, bail};
 use super::Outcome;
 use super::render::DEFAULT_SIZE;
 use crate::args;
-use crate::bake::bake;
+use crate::bake::{bake, bake_map};
+use crate::map::HostMap;
 use crate::output::Output;
 use crate::scene::{HostScene, Pool};
-use crate::scene_file;
+use crate::scene_file::{self, map};
 
 pub(super) fn run(args: &args::Bake) -> anyhow::Result<Outcome> {
-    let file = scene_file::read(&args.scene)?;
-    let pool = Pool::new(&file);
-    let scene = HostScene::new(&file, &pool)?;
-    let [width, height] = match args.size {
+    let size = |of_file: Option<[u32; 2]>| match args.size {
         Some(size) => [size.width, size.height],
-        None => file.size.unwrap_or(DEFAULT_SIZE),
+        None => of_file.unwrap_or(DEFAULT_SIZE),
     };
-    let view = scene.camera(width, height)?;
-    let module = bake(&scene, view.as_ref());
+    let module = if map::is_map(&args.scene) {
+        let file = map::read(&args.scene)?;
+        let map = HostMap::new(&file);
+        let [width, height] = size(file.size);
+        bake_map(&map, &map.view(width, height)?)
+    } else {
+        let file = scene_file::read(&args.scene)?;
+        let pool = Pool::new(&file);
+        let scene = HostScene::new(&file, &pool)?;
+        let [width, height] = size(file.size);
+        bake(&scene, scene.camera(width, height)?.as_ref())
+    };
     if let Some(limit) = args.max_flash {
         let flash = module.flash();
         if flash > limit {

@@ -2,19 +2,22 @@
 
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use whitted::{Counters, View};
+use whitted::{Counters, Vec3, View};
 
 use super::Outcome;
 use crate::args;
+use crate::map::HostMap;
 use crate::output::Output;
 use crate::picture::{Format, Transfer, Writer};
 use crate::render::{Settings, encode, render};
 use crate::scene::{HostScene, Pool};
+use crate::scene_file::map::{self, MapFile};
 use crate::scene_file::{self, SceneFile};
 
 /// The scene that is rendered when none is named.
@@ -29,68 +32,135 @@ pub(super) fn run(args: &args::Render) -> anyhow::Result<Outcome> {
         (Format::Png, true) => bail!("--ascii is for PPM; {} is a PNG", args.output.display()),
         (format, _) => format,
     };
-    let file = match &args.scene {
-        Some(path) => scene_file::read(path)?,
-        None => builtin()?,
-    };
-    let pool = Pool::new(&file);
-    let scene = HostScene::new(&file, &pool)?;
-    let [width, height] = match args.size {
-        Some(size) => [size.width, size.height],
-        None => file.size.unwrap_or(DEFAULT_SIZE),
-    };
-    let rows = args.rows.as_ref().map_or(0..height, |it| it.0.clone());
-    if rows.end > height {
-        bail!(
-            "--rows ends at {}, but the picture has {height} rows",
-            rows.end
-        );
-    }
-    let Some(view) = scene.camera(width, height)? else {
-        bail!("{}: the scene has no camera", file.path.display());
-    };
-    let settings = Settings {
-        depth: args.depth.unwrap_or(file.depth),
-        threshold: args.threshold,
-    };
     let transfer = if args.srgb {
         Transfer::Srgb
     } else {
         Transfer::Linear
     };
-
-    let cannot_write = || format!("cannot write {}", args.output.display());
-    let output = Output::create(&args.output).with_context(cannot_write)?;
-    let band_height = rows.end - rows.start;
-    let mut writer = Writer::new(
-        output.sink().with_context(cannot_write)?,
+    let job = Job {
+        args,
         format,
-        width,
-        band_height,
         transfer,
-    )
-    .with_context(cannot_write)?;
-    let progress = progress_bar(band_height);
-    let start = Instant::now();
-    let counters = with_threads(args.threads, || {
-        render(
-            &scene.scene(),
-            &view,
-            rows,
-            settings,
-            || progress.inc(1),
-            |pixels| writer.rows(&encode(pixels, transfer)),
-        )
-    })?
-    .with_context(cannot_write)?;
-    let time = start.elapsed();
-    progress.finish_and_clear();
-    writer.finish().with_context(cannot_write)?;
-    output.commit().with_context(cannot_write)?;
-    let summary = summary(&view, band_height, time, &counters);
-    // Standard error may be closed; the picture is complete all the same.
-    let _ = writeln!(io::stderr(), "{summary}");
+    };
+    match &args.scene {
+        Some(path) if map::is_map(path) => job.map(&map::read(path)?)?,
+        Some(path) => job.scene(&scene_file::read(path)?)?,
+        None => job.scene(&builtin()?)?,
+    }
     Ok(Outcome::Success)
+}
+
+/// How a picture is to be written.
+struct Job<'a> {
+    args: &'a args::Render,
+    format: Format,
+    transfer: Transfer,
+}
+
+/// Where a picture goes, some whole rows at a time.
+type Emit<'a> = &'a mut dyn FnMut(&[Vec3]) -> io::Result<()>;
+
+impl Job<'_> {
+    fn scene(&self, file: &SceneFile) -> anyhow::Result<()> {
+        let pool = Pool::new(file);
+        let scene = HostScene::new(file, &pool)?;
+        let [width, height] = self.size(file.size);
+        let rows = self.rows(height)?;
+        let Some(view) = scene.camera(width, height)? else {
+            bail!("{}: the scene has no camera", file.path.display());
+        };
+        let settings = self.settings(file.depth);
+        self.write(&view, rows.clone(), |progress, emit| {
+            let row_done = || progress.inc(1);
+            let counters = render(&scene.scene(), &view, rows, settings, row_done, emit)?;
+            Ok(Some(counters))
+        })
+    }
+
+    fn map(&self, file: &MapFile) -> anyhow::Result<()> {
+        let host = HostMap::new(file);
+        let [width, height] = self.size(file.size);
+        let rows = self.rows(height)?;
+        let view = host.view(width, height)?;
+        if self.args.trace {
+            let settings = self.settings(file.depth);
+            return self.write(&view, rows.clone(), |progress, emit| {
+                let row_done = || progress.inc(1);
+                let counters = host.trace(&view, rows, settings, row_done, emit)?;
+                Ok(Some(counters))
+            });
+        }
+        if self.args.depth.is_some() || self.args.threshold > 0.0 {
+            bail!("--depth and --threshold are for traced pictures; for a map, add --trace");
+        }
+        self.write(&view, rows.clone(), |_, emit| {
+            host.draw(&view, rows, emit)?;
+            Ok(None)
+        })
+    }
+
+    /// Of the picture.
+    fn size(&self, size: Option<[u32; 2]>) -> [u32; 2] {
+        match self.args.size {
+            Some(size) => [size.width, size.height],
+            None => size.unwrap_or(DEFAULT_SIZE),
+        }
+    }
+
+    /// Those that are asked for.
+    fn rows(&self, height: u32) -> anyhow::Result<Range<u32>> {
+        let rows = self.args.rows.as_ref().map_or(0..height, |it| it.0.clone());
+        if rows.end > height {
+            let end = rows.end;
+            bail!("--rows ends at {end}, but the picture has {height} rows");
+        }
+        Ok(rows)
+    }
+
+    fn settings(&self, depth: usize) -> Settings {
+        Settings {
+            depth: self.args.depth.unwrap_or(depth),
+            threshold: self.args.threshold,
+        }
+    }
+
+    /// Writes the rows that `draw` makes.
+    fn write(
+        &self,
+        view: &View,
+        rows: Range<u32>,
+        draw: impl FnOnce(&ProgressBar, Emit<'_>) -> io::Result<Option<Counters>> + Send,
+    ) -> anyhow::Result<()> {
+        let (args, transfer) = (self.args, self.transfer);
+        let cannot_write = || format!("cannot write {}", args.output.display());
+        let output = Output::create(&args.output).with_context(cannot_write)?;
+        let height = rows.end - rows.start;
+        let sink = output.sink().with_context(cannot_write)?;
+        let writer = Writer::new(sink, self.format, view.width, height, transfer);
+        let mut writer = writer.with_context(cannot_write)?;
+        let progress = progress_bar(height);
+        let start = Instant::now();
+        let counters = with_threads(args.threads, || {
+            draw(&progress, &mut |pixels| {
+                writer.rows(&encode(pixels, transfer))
+            })
+        })?
+        .with_context(cannot_write)?;
+        let time = start.elapsed();
+        progress.finish_and_clear();
+        writer.finish().with_context(cannot_write)?;
+        output.commit().with_context(cannot_write)?;
+        let summary = match counters {
+            Some(counters) => summary(view, height, time, &counters),
+            None => {
+                let (width, seconds) = (view.width, time.as_secs_f64());
+                format!("{width}x{height} in {seconds:.3} s by columns")
+            }
+        };
+        // Standard error may be closed; the picture is complete all the same.
+        let _ = writeln!(io::stderr(), "{summary}");
+        Ok(())
+    }
 }
 
 fn builtin() -> Result<SceneFile, scene_file::SceneError> {

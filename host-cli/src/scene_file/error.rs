@@ -133,6 +133,28 @@ pub enum Problem {
     /// A material's name that no material has.
     #[error("no material is named `{0}`")]
     UnknownMaterial(String),
+    /// A texture's name that no texture has.
+    #[error("no texture is named `{0}`")]
+    UnknownTexture(String),
+    /// A character of a plan.
+    #[error("`{}` is neither a wall of the file nor empty, which `.` and a space are", .0.escape_debug())]
+    UnknownCell(char),
+    /// Rows that are not of one length.
+    #[error("{found} cells in this row, {width} in the first")]
+    Ragged {
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        width: usize,
+    },
+    /// The picture of a texture cannot be used.
+    #[error("texture {file}: {reason}")]
+    Texture {
+        /// Its file, as named.
+        file: String,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// What TOML or its types have to say.
     #[error("{0}")]
     Toml(String),

@@ -43,13 +43,13 @@ pub fn parse(path: &Path, text: &str) -> Result<SceneFile, SceneError> {
 }
 
 /// Where the lines of a text begin, so that places are found fast.
-struct Places<'a> {
+pub(super) struct Places<'a> {
     text: &'a str,
     lines: Vec<usize>,
 }
 
 impl<'a> Places<'a> {
-    fn new(text: &'a str) -> Self {
+    pub(super) fn new(text: &'a str) -> Self {
         let after_feeds = text.bytes().enumerate().filter(|it| it.1 == b'\n');
         Self {
             text,
@@ -59,7 +59,7 @@ impl<'a> Places<'a> {
         }
     }
 
-    fn of(&self, offset: usize) -> Place {
+    pub(super) fn of(&self, offset: usize) -> Place {
         let line = self.lines.partition_point(|&start| start <= offset);
         let start = self.lines[line - 1];
         let in_line = Place::of(&self.text.as_bytes()[start..], offset - start);
@@ -76,7 +76,7 @@ impl<'a> Places<'a> {
 
 /// A number, written as a float or as an integer of any size.
 #[derive(Clone, Copy)]
-struct Number(f64);
+pub(super) struct Number(f64);
 
 impl<'de> Deserialize<'de> for Number {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -114,8 +114,8 @@ impl<'de> Deserialize<'de> for Number {
     }
 }
 
-type Real = Spanned<Number>;
-type Point = Spanned<[Number; 3]>;
+pub(super) type Real = Spanned<Number>;
+pub(super) type Point = Spanned<[Number; 3]>;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -177,7 +177,7 @@ struct WindowFields {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct LightFields {
+pub(super) struct LightFields {
     position: Point,
     color: Option<Point>,
     #[serde(default = "yes")]
@@ -186,7 +186,7 @@ struct LightFields {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct MaterialFields {
+pub(super) struct MaterialFields {
     color: Option<Point>,
     ambient: Option<Real>,
     diffuse: Option<Real>,
@@ -420,22 +420,22 @@ impl ShapeFields for ConeFields {
 }
 
 /// Checks numbers and remembers where they stand.
-struct Checker<'a> {
-    places: &'a Places<'a>,
+pub(super) struct Checker<'a> {
+    pub(super) places: &'a Places<'a>,
 }
 
 impl Checker<'_> {
-    fn real(&self, what: &str, number: &Real, range: Range) -> Result<f64, Located> {
+    pub(super) fn real(&self, what: &str, number: &Real, range: Range) -> Result<f64, Located> {
         range
             .check(what, number.get_ref().0)
             .map_err(at(self.places.start(number)))
     }
 
-    fn length(&self, what: &str, number: &Real) -> Result<f64, Located> {
+    pub(super) fn length(&self, what: &str, number: &Real) -> Result<f64, Located> {
         self.real(what, number, Range::Length)
     }
 
-    fn real_or(
+    pub(super) fn real_or(
         &self,
         what: &str,
         number: &Option<Real>,
@@ -447,7 +447,12 @@ impl Checker<'_> {
             .map_or(Ok(default), |it| self.real(what, it, range))
     }
 
-    fn triple(&self, what: &str, numbers: &Point, range: Range) -> Result<[f64; 3], Located> {
+    pub(super) fn triple(
+        &self,
+        what: &str,
+        numbers: &Point,
+        range: Range,
+    ) -> Result<[f64; 3], Located> {
         for number in numbers.get_ref() {
             range
                 .check(what, number.0)
@@ -460,7 +465,12 @@ impl Checker<'_> {
         self.triple(what, point, Range::Length)
     }
 
-    fn color(&self, what: &str, color: &Option<Point>, default: f64) -> Result<[f64; 3], Located> {
+    pub(super) fn color(
+        &self,
+        what: &str,
+        color: &Option<Point>,
+        default: f64,
+    ) -> Result<[f64; 3], Located> {
         color.as_ref().map_or(Ok([default; 3]), |it| {
             self.triple(what, it, Range::Brightness)
         })
@@ -491,6 +501,25 @@ impl Checker<'_> {
         Ok(())
     }
 
+    /// Where something stands.
+    pub(super) fn start<T>(&self, spanned: &Spanned<T>) -> Place {
+        self.places.start(spanned)
+    }
+
+    /// Width and height of a picture.
+    pub(super) fn size(&self, size: &Spanned<[u64; 2]>) -> Result<[u32; 2], Located> {
+        let limit = limits::SIDE as usize;
+        let side = |it| self.whole("pixels to a side", it, limit, self.start(size));
+        let [width, height] = *size.get_ref();
+        Ok([side(width)? as u32, side(height)? as u32])
+    }
+
+    /// How many rays a chain has.
+    pub(super) fn depth(&self, depth: &Spanned<u64>) -> Result<usize, Located> {
+        let place = self.start(depth);
+        self.whole("rays in a chain", *depth.get_ref(), limits::DEPTH, place)
+    }
+
     fn whole(
         &self,
         what: &'static str,
@@ -516,20 +545,10 @@ impl Document {
     fn fill(self, file: &mut SceneFile, places: &Places<'_>) -> Result<(), Located> {
         let check = Checker { places };
         if let Some(size) = &self.size {
-            let side = |it| {
-                let limit = limits::SIDE as usize;
-                check.whole("pixels to a side", it, limit, places.start(size))
-            };
-            let [width, height] = *size.get_ref();
-            file.size = Some([side(width)? as u32, side(height)? as u32]);
+            file.size = Some(check.size(size)?);
         }
         file.depth = match &self.depth {
-            Some(depth) => check.whole(
-                "rays in a chain",
-                *depth.get_ref(),
-                limits::DEPTH,
-                places.start(depth),
-            )?,
+            Some(depth) => check.depth(depth)?,
             None => DEFAULT_DEPTH,
         };
         file.background = check.color("a component of the background", &self.background, 0.0)?;
@@ -542,13 +561,10 @@ impl Document {
             return Err((place, too_many("lights", limits::LIGHTS)));
         }
         for light in &self.light {
-            let fields = light.get_ref();
-            file.lights.push(Light {
-                place: places.start(light),
-                position: check.point("a coordinate of the light", &fields.position)?,
-                color: check.color("a component of the light's colour", &fields.color, 1.0)?,
-                shadows: self.shadows && fields.shadows,
-            });
+            let light = light
+                .get_ref()
+                .read(&check, places.start(light), self.shadows)?;
+            file.lights.push(light);
         }
         let names = self.read_materials(file, &check)?;
         self.read_objects(file, &check, &names)
@@ -651,8 +667,30 @@ impl CameraFields {
     }
 }
 
+impl LightFields {
+    /// `shadows` is whether lights cast any.
+    pub(super) fn read(
+        &self,
+        check: &Checker<'_>,
+        place: Place,
+        shadows: bool,
+    ) -> Result<Light, Located> {
+        Ok(Light {
+            place,
+            position: check.point("a coordinate of the light", &self.position)?,
+            color: check.color("a component of the light's colour", &self.color, 1.0)?,
+            shadows: shadows && self.shadows,
+        })
+    }
+}
+
 impl MaterialFields {
-    fn read(&self, check: &Checker<'_>, place: Place, name: &str) -> Result<Material, Located> {
+    pub(super) fn read(
+        &self,
+        check: &Checker<'_>,
+        place: Place,
+        name: &str,
+    ) -> Result<Material, Located> {
         use Range::{Brightness, Exponent, Refraction, Share};
         let transmittance = check.real_or("the transmittance", &self.transmittance, Share, 0.0)?;
         let ior = check.real_or("the index of refraction", &self.ior, Refraction, 1.5)?;
@@ -671,7 +709,7 @@ impl MaterialFields {
     }
 }
 
-fn too_many(what: &'static str, limit: usize) -> Problem {
+pub(super) fn too_many(what: &'static str, limit: usize) -> Problem {
     Problem::TooMany { what, limit }
 }
 

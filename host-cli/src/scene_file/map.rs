@@ -1,0 +1,829 @@
+//! Maps: a plan of cells, what its walls look like, and who stands in it. The README describes every
+//! field.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use ::toml::Spanned;
+use serde::Deserialize;
+
+use super::limits::{self, Range};
+use super::toml::{Checker, LightFields, MaterialFields, Places, Point, Real, too_many};
+use super::{DEFAULT_DEPTH, Light, Located, Material, Place, Problem, SceneError, bytes};
+use crate::picture::Picture;
+use crate::scene_file::error::excerpt;
+
+/// A map as its file describes it. Lengths count in cells; the plan's rows run along x, from one to the
+/// next along z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapFile {
+    /// The file, for messages.
+    pub path: PathBuf,
+    /// Width and height of the picture in pixels, where the file asks for a size.
+    pub size: Option<[u32; 2]>,
+    /// Longest chain of rays, the eye ray counted as 1.
+    pub depth: usize,
+    /// What is seen above an open map.
+    pub background: [f64; 3],
+    /// Light that reaches every point alike.
+    pub ambient: [f64; 3],
+    /// In file order.
+    pub lights: Vec<Light>,
+    /// Cells along x and along z.
+    pub cells: [u16; 2],
+    /// Row after row: 0 where a cell is empty, else 1 and the place of its wall.
+    pub plan: Vec<u8>,
+    /// In file order.
+    pub walls: Vec<Wall>,
+    /// What the floor is made of.
+    pub floor: Material,
+    /// What the ceiling is made of; `None` where the map is open above.
+    pub ceiling: Option<Material>,
+    /// Of walls and sprites.
+    pub textures: Vec<Bitmap>,
+    /// In file order.
+    pub sprites: Vec<Sprite>,
+    /// Who looks.
+    pub player: Player,
+}
+
+/// One kind of wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wall {
+    /// What it is made of, where rays are traced.
+    pub material: Material,
+    /// What it shows to the west, east, north and south, as places among the textures.
+    pub faces: [usize; 4],
+}
+
+/// A picture with a palette, in the bytes of a display.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bitmap {
+    /// In pixels.
+    pub width: u16,
+    /// In pixels.
+    pub height: u16,
+    /// Column after column, each from the top: places in the palette, beyond it what is transparent.
+    pub texels: Vec<u8>,
+    /// Red, green, blue.
+    pub palette: Vec<[u8; 3]>,
+}
+
+/// A bitmap that stands in the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sprite {
+    /// The middle of its lower edge.
+    pub position: [f64; 3],
+    /// In cells.
+    pub width: f64,
+    /// In cells.
+    pub height: f64,
+    /// Its place among the textures.
+    pub texture: usize,
+}
+
+/// Who looks at the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Player {
+    /// Where in the file.
+    pub place: Place,
+    /// The eye.
+    pub eye: [f64; 3],
+    /// Along x and z, of any length but zero.
+    pub direction: [f64; 2],
+    /// Full angle between the picture's upper and lower edge, in degrees.
+    pub fov: f64,
+}
+
+/// Most cells along one side of a plan.
+const PLAN_SIDE: usize = 4096;
+/// Most kinds of walls: what a byte tells.
+const WALLS: usize = 255;
+/// Most textures.
+const TEXTURES: usize = 4096;
+/// Most pixels along one side of a texture.
+const TEXTURE_SIDE: usize = 1024;
+/// Most colors of a texture: one byte's value is left for what is transparent.
+const COLORS: usize = 255;
+/// Most sprites.
+pub const SPRITES: usize = 256;
+/// What a texel is that is transparent.
+const CLEAR: u8 = 255;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    plan: Spanned<String>,
+    size: Option<Spanned<[u64; 2]>>,
+    depth: Option<Spanned<u64>>,
+    background: Option<Point>,
+    ambient: Option<Point>,
+    floor: Spanned<String>,
+    ceiling: Option<Spanned<String>>,
+    player: Spanned<PlayerFields>,
+    #[serde(default)]
+    light: Vec<Spanned<LightFields>>,
+    #[serde(default)]
+    material: HashMap<Spanned<String>, MaterialFields>,
+    #[serde(default)]
+    texture: HashMap<Spanned<String>, TextureFields>,
+    #[serde(default)]
+    wall: HashMap<Spanned<String>, WallFields>,
+    #[serde(default)]
+    sprite: Vec<Spanned<SpriteFields>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlayerFields {
+    position: Spanned<[Real; 2]>,
+    height: Option<Real>,
+    direction: Spanned<[Real; 2]>,
+    fov: Real,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TextureFields {
+    file: Option<Spanned<String>>,
+    rows: Option<Spanned<Vec<Spanned<String>>>>,
+    #[serde(default)]
+    colors: HashMap<Spanned<String>, Point>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WallFields {
+    material: Spanned<String>,
+    texture: Option<Spanned<String>>,
+    west: Option<Spanned<String>>,
+    east: Option<Spanned<String>>,
+    north: Option<Spanned<String>>,
+    south: Option<Spanned<String>>,
+    shade: Option<Real>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SpriteFields {
+    texture: Spanned<String>,
+    position: Spanned<[Real; 2]>,
+    above: Option<Real>,
+    width: Real,
+    height: Real,
+}
+
+/// Whether a file is a map, by its name.
+pub fn is_map(path: &Path) -> bool {
+    let extension = path.extension();
+    extension.is_some_and(|it| it.eq_ignore_ascii_case("map"))
+}
+
+/// Reads a map.
+///
+/// # Errors
+///
+/// When the file, or the picture of a texture, cannot be read, breaks the rules or goes beyond the
+/// limits; with line and column where there is one.
+pub fn read(path: &Path) -> Result<MapFile, SceneError> {
+    let fail = |place, problem| SceneError {
+        path: path.to_owned(),
+        place,
+        problem,
+    };
+    let bytes = bytes(path, limits::TOML_BYTES).map_err(|problem| fail(None, problem))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let end = error.utf8_error().valid_up_to();
+        fail(Some(Place::of(error.as_bytes(), end)), Problem::NotText)
+    })?;
+    parse(path, &text)
+}
+
+/// Makes a map of a file's text; `path` is for messages, and beside it the textures are.
+///
+/// # Errors
+///
+/// As [`read`]'s.
+pub fn parse(path: &Path, text: &str) -> Result<MapFile, SceneError> {
+    let places = Places::new(text);
+    let fail = |(place, problem)| SceneError {
+        path: path.to_owned(),
+        place: Some(place),
+        problem,
+    };
+    let document: Document = ::toml::from_str(text).map_err(|error| {
+        let place = places.of(error.span().map_or(0, |it| it.start));
+        fail((place, Problem::Toml(error.message().trim().to_owned())))
+    })?;
+    let reader = Reader {
+        check: Checker { places: &places },
+        text,
+        folder: path.parent().unwrap_or(Path::new("")),
+        document: &document,
+    };
+    reader.read(path).map_err(fail)
+}
+
+/// A table by name, in the order of the file.
+fn in_order<T>(table: &HashMap<Spanned<String>, T>) -> Vec<(&Spanned<String>, &T)> {
+    let mut entries: Vec<_> = table.iter().collect();
+    entries.sort_by_key(|(name, _)| name.span().start);
+    entries
+}
+
+type Names = HashMap<String, usize>;
+
+struct Reader<'a> {
+    check: Checker<'a>,
+    text: &'a str,
+    folder: &'a Path,
+    document: &'a Document,
+}
+
+impl Reader<'_> {
+    fn read(&self, path: &Path) -> Result<MapFile, Located> {
+        let (check, document) = (&self.check, self.document);
+        let mut materials = Vec::new();
+        let mut material_names = Names::new();
+        for (name, fields) in in_order(&document.material) {
+            let material = fields.read(check, check.start(name), name.get_ref())?;
+            material_names.insert(name.get_ref().clone(), materials.len());
+            materials.push(material);
+        }
+        let material = |name: &Spanned<String>| match material_names.get(name.get_ref()) {
+            Some(&place) => Ok(materials[place].clone()),
+            None => {
+                let name_there = excerpt(name.get_ref().as_bytes());
+                Err((check.start(name), Problem::UnknownMaterial(name_there)))
+            }
+        };
+        let mut textures = Vec::new();
+        let mut texture_names = Names::new();
+        for (name, fields) in in_order(&document.texture) {
+            if textures.len() == TEXTURES {
+                return Err((check.start(name), too_many("textures", TEXTURES)));
+            }
+            texture_names.insert(name.get_ref().clone(), textures.len());
+            textures.push(self.texture(name, fields)?);
+        }
+        let texture = |name: &Spanned<String>| {
+            let place = texture_names.get(name.get_ref()).copied();
+            place.ok_or_else(|| {
+                let name_there = excerpt(name.get_ref().as_bytes());
+                (check.start(name), Problem::UnknownTexture(name_there))
+            })
+        };
+        let mut walls = Vec::new();
+        let mut signs = HashMap::new();
+        for (name, fields) in in_order(&document.wall) {
+            if walls.len() == WALLS {
+                return Err((check.start(name), too_many("kinds of walls", WALLS)));
+            }
+            let mut sign = name.get_ref().chars();
+            let (Some(sign), None) = (sign.next(), sign.next()) else {
+                let problem = "the name of a wall is one character, as in the plan";
+                return Err((check.start(name), Problem::Contradiction(problem)));
+            };
+            signs.insert(sign, walls.len() as u8 + 1);
+            walls.push(self.wall(fields, &material, &texture, &mut textures)?);
+        }
+        let (cells, plan) = self.plan(&signs)?;
+        let mut sprites = Vec::new();
+        for sprite in &document.sprite {
+            if sprites.len() == SPRITES {
+                return Err((check.start(sprite), too_many("sprites", SPRITES)));
+            }
+            sprites.push(self.sprite(sprite.get_ref(), &texture)?);
+        }
+        let mut lights = Vec::new();
+        for light in &document.light {
+            if lights.len() == limits::LIGHTS {
+                return Err((check.start(light), too_many("lights", limits::LIGHTS)));
+            }
+            lights.push(light.get_ref().read(check, check.start(light), true)?);
+        }
+        let size = document.size.as_ref();
+        let depth = document.depth.as_ref();
+        Ok(MapFile {
+            path: path.to_owned(),
+            size: size.map(|it| check.size(it)).transpose()?,
+            depth: depth.map_or(Ok(DEFAULT_DEPTH), |it| check.depth(it))?,
+            background: check.color("a component of the background", &document.background, 0.0)?,
+            ambient: check.color("a component of the ambient light", &document.ambient, 0.0)?,
+            lights,
+            player: self.player(cells, &plan)?,
+            cells,
+            plan,
+            walls,
+            floor: material(&document.floor)?,
+            ceiling: document.ceiling.as_ref().map(material).transpose()?,
+            textures,
+            sprites,
+        })
+    }
+
+    /// Cells along x and z, and all of them.
+    fn plan(&self, signs: &HashMap<char, u8>) -> Result<([u16; 2], Vec<u8>), Located> {
+        let (check, plan) = (&self.check, &self.document.plan);
+        let start = check.start(plan);
+        // Where the text starts after a line break, and says nothing in other words, its lines are
+        // those of the file.
+        let raw = &self.text[plan.span()];
+        let breaks = ["\"\"\"\n", "'''\n", "\"\"\"\r\n", "'''\r\n"];
+        let is_plain = breaks.iter().any(|it| raw.starts_with(it)) && !raw.contains('\\');
+        let place = |row: usize, column: usize| match is_plain {
+            true => Place {
+                line: start.line + 1 + row as u32,
+                column: 1 + column as u32,
+            },
+            false => start,
+        };
+        let rows: Vec<&str> = plan.get_ref().lines().collect();
+        let width = rows.first().map_or(0, |row| row.chars().count());
+        if width == 0 {
+            return Err((start, Problem::Contradiction("the plan has no cells")));
+        }
+        if width.max(rows.len()) > PLAN_SIDE {
+            return Err((start, too_many("cells to a side", PLAN_SIDE)));
+        }
+        let mut cells = Vec::with_capacity(width * rows.len());
+        for (number, row) in rows.iter().enumerate() {
+            for (column, sign) in row.chars().enumerate() {
+                cells.push(match signs.get(&sign) {
+                    Some(&kind) => kind,
+                    None if sign == '.' || sign == ' ' => 0,
+                    None => return Err((place(number, column), Problem::UnknownCell(sign))),
+                });
+            }
+            let found = row.chars().count();
+            if found != width {
+                let problem = Problem::Ragged { found, width };
+                return Err((place(number, found.min(width)), problem));
+            }
+        }
+        Ok(([width as u16, rows.len() as u16], cells))
+    }
+
+    fn wall(
+        &self,
+        fields: &WallFields,
+        material: &impl Fn(&Spanned<String>) -> Result<Material, Located>,
+        texture: &impl Fn(&Spanned<String>) -> Result<usize, Located>,
+        textures: &mut Vec<Bitmap>,
+    ) -> Result<Wall, Located> {
+        let mut material = material(&fields.material)?;
+        let shade = self
+            .check
+            .real_or("the shade", &fields.shade, Range::Share, 0.75)?;
+        let base = match &fields.texture {
+            Some(name) => texture(name)?,
+            None => {
+                textures.push(Bitmap::plain(material.color));
+                textures.len() - 1
+            }
+        };
+        if fields.texture.is_some() {
+            material.color = textures[base].mean();
+        }
+        textures.push(textures[base].shaded(shade));
+        let shaded = textures.len() - 1;
+        let sides = [&fields.west, &fields.east, &fields.north, &fields.south];
+        let mut faces = [base, base, shaded, shaded];
+        for (face, side) in faces.iter_mut().zip(sides) {
+            if let Some(name) = side {
+                *face = texture(name)?;
+            }
+        }
+        Ok(Wall { material, faces })
+    }
+
+    fn texture(&self, name: &Spanned<String>, fields: &TextureFields) -> Result<Bitmap, Located> {
+        match (&fields.file, &fields.rows) {
+            (Some(file), None) => self.texture_file(file),
+            (None, Some(rows)) => self.texture_rows(rows, &fields.colors),
+            _ => {
+                let problem = "a texture has either `file` or `rows`";
+                Err((self.check.start(name), Problem::Contradiction(problem)))
+            }
+        }
+    }
+
+    fn texture_file(&self, file: &Spanned<String>) -> Result<Bitmap, Located> {
+        let place = self.check.start(file);
+        let picture = Picture::read(&self.folder.join(file.get_ref())).map_err(|error| {
+            let file = excerpt(file.get_ref().as_bytes());
+            let reason = error.to_string();
+            (place, Problem::Texture { file, reason })
+        })?;
+        let Picture {
+            width,
+            height,
+            channels,
+            max,
+            ref samples,
+        } = picture;
+        let to_byte = |sample: u16| {
+            let (sample, max) = (u32::from(sample), u32::from(max));
+            ((sample * 255 + max / 2) / max) as u8
+        };
+        let pixel = |x: usize, y: usize| {
+            let pixel = &samples[(y * width + x) * channels..][..channels];
+            let is_clear = channels == 4 && to_byte(pixel[3]) < 128;
+            (!is_clear).then(|| [0, 1, 2].map(|i| to_byte(pixel[i])))
+        };
+        Bitmap::new(width, height, pixel).map_err(|problem| (place, problem))
+    }
+
+    fn texture_rows(
+        &self,
+        rows: &Spanned<Vec<Spanned<String>>>,
+        colors: &HashMap<Spanned<String>, Point>,
+    ) -> Result<Bitmap, Located> {
+        let check = &self.check;
+        let mut known = HashMap::new();
+        for (name, color) in in_order(colors) {
+            let mut sign = name.get_ref().chars();
+            let (Some(sign), None) = (sign.next(), sign.next()) else {
+                let problem = "the name of a texture's color is one character, as in its rows";
+                return Err((check.start(name), Problem::Contradiction(problem)));
+            };
+            let color = check.triple("a component of the colour", color, Range::Share)?;
+            known.insert(sign, to_bytes(color));
+        }
+        let signs: Vec<Vec<char>> = rows
+            .get_ref()
+            .iter()
+            .map(|row| row.get_ref().chars().collect())
+            .collect();
+        let width = signs.first().map_or(0, Vec::len);
+        if width == 0 {
+            let problem = "the texture has no pixels";
+            return Err((check.start(rows), Problem::Contradiction(problem)));
+        }
+        for (row, signs) in rows.get_ref().iter().zip(&signs) {
+            let found = signs.len();
+            if found != width {
+                return Err((check.start(row), Problem::Ragged { found, width }));
+            }
+        }
+        let pixel = |x: usize, y: usize| known.get(&signs[y][x]).copied();
+        Bitmap::new(width, signs.len(), pixel).map_err(|problem| (check.start(rows), problem))
+    }
+
+    fn sprite(
+        &self,
+        fields: &SpriteFields,
+        texture: &impl Fn(&Spanned<String>) -> Result<usize, Located>,
+    ) -> Result<Sprite, Located> {
+        let check = &self.check;
+        let length = |what: &str, number: &Real| {
+            let length = check.length(what, number)?;
+            // As it is drawn.
+            if length as f32 > 0.0 {
+                return Ok(length);
+            }
+            let problem = Problem::Contradiction("a sprite is wider and higher than 0");
+            Err((check.start(number), problem))
+        };
+        let above = fields.above.as_ref();
+        let above = above.map_or(Ok(0.0), |it| check.length("the height above", it))?;
+        let [x, z] = self.pair("a coordinate of the sprite", &fields.position)?;
+        Ok(Sprite {
+            position: [x, above, z],
+            width: length("the width", &fields.width)?,
+            height: length("the height", &fields.height)?,
+            texture: texture(&fields.texture)?,
+        })
+    }
+
+    fn pair(&self, what: &str, numbers: &Spanned<[Real; 2]>) -> Result<[f64; 2], Located> {
+        let [a, b] = numbers.get_ref();
+        Ok([self.check.length(what, a)?, self.check.length(what, b)?])
+    }
+
+    fn player(&self, cells: [u16; 2], plan: &[u8]) -> Result<Player, Located> {
+        let (check, fields) = (&self.check, self.document.player.get_ref());
+        let contradiction = |place, problem| Err((place, Problem::Contradiction(problem)));
+        let [x, z] = self.pair("a coordinate of the player", &fields.position)?;
+        // As it is cast.
+        let cell = [(x as f32, cells[0]), (z as f32, cells[1])].map(|(at, count)| {
+            let is_inside = at >= 0.0 && at < f32::from(count);
+            is_inside.then_some(at as usize)
+        });
+        let [Some(column), Some(row)] = cell else {
+            let place = check.start(&fields.position);
+            return contradiction(place, "the player is not on the plan");
+        };
+        if plan[row * usize::from(cells[0]) + column] != 0 {
+            let place = check.start(&fields.position);
+            return contradiction(place, "the player stands in a wall");
+        }
+        let height = check.real_or("the height of the eye", &fields.height, Range::Share, 0.5)?;
+        let direction = self.pair("a component of the direction", &fields.direction)?;
+        if direction.map(|it| it as f32) == [0.0; 2] {
+            let place = check.start(&fields.direction);
+            return contradiction(place, "the player's direction is zero");
+        }
+        Ok(Player {
+            place: check.start(&self.document.player),
+            eye: [x, height, z],
+            direction,
+            fov: check.real("the field of view", &fields.fov, Range::Angle)?,
+        })
+    }
+}
+
+/// A linear color as a display takes it.
+fn to_bytes(color: [f64; 3]) -> [u8; 3] {
+    color.map(|it| whitted::picture::quantize(it as f32))
+}
+
+impl Bitmap {
+    /// Of pixels, `None` where they are transparent.
+    fn new(
+        width: usize,
+        height: usize,
+        pixel: impl Fn(usize, usize) -> Option<[u8; 3]>,
+    ) -> Result<Self, Problem> {
+        if width.max(height) > TEXTURE_SIDE {
+            return Err(too_many("pixels to a side of a texture", TEXTURE_SIDE));
+        }
+        let mut bitmap = Self {
+            width: width as u16,
+            height: height as u16,
+            texels: Vec::with_capacity(width * height),
+            palette: Vec::new(),
+        };
+        let mut places = HashMap::new();
+        for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
+            let Some(color) = pixel(x, y) else {
+                bitmap.texels.push(CLEAR);
+                continue;
+            };
+            let next = bitmap.palette.len();
+            let place = *places.entry(color).or_insert(next);
+            if place == next {
+                if next == COLORS {
+                    return Err(too_many("colours in a texture", COLORS));
+                }
+                bitmap.palette.push(color);
+            }
+            bitmap.texels.push(place as u8);
+        }
+        Ok(bitmap)
+    }
+
+    /// One pixel.
+    fn plain(color: [f64; 3]) -> Self {
+        Self {
+            width: 1,
+            height: 1,
+            texels: vec![0],
+            palette: vec![to_bytes(color)],
+        }
+    }
+
+    /// The same, darker.
+    fn shaded(&self, shade: f64) -> Self {
+        let darken = |byte: u8| (f64::from(byte) * shade).round() as u8;
+        Self {
+            palette: self.palette.iter().map(|it| it.map(darken)).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Of all pixels that are not transparent, linear.
+    fn mean(&self) -> [f64; 3] {
+        let seen = self.texels.iter();
+        let colors = || seen.clone().filter_map(|&it| self.palette.get(it as usize));
+        let count = colors().count().max(1) as f64;
+        [0, 1, 2].map(|i| colors().map(|it| f64::from(it[i])).sum::<f64>() / count / 255.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROOM: &str = "plan = '''\n\
+        ####\n\
+        #..#\n\
+        ####\n\
+        '''\n\
+        floor = 'stone'\n\
+        player = { position = [1.5, 1.5], direction = [1, 0], fov = 60 }\n\
+        [material.stone]\n\
+        color = [0.5, 0.25, 1]\n\
+        [texture.flag]\n\
+        rows = ['ab', 'a.']\n\
+        colors = { a = [1, 0, 0], b = [0, 0, 1] }\n\
+        [wall.'#']\n\
+        material = 'stone'\n";
+
+    fn read(text: &str) -> Result<MapFile, String> {
+        parse(Path::new("t.map"), text).map_err(|it| it.to_string())
+    }
+
+    #[test]
+    fn plans_textures_and_shades_are_read() {
+        let text = ROOM.replace(
+            "material = 'stone'\n",
+            "material = 'stone'\ntexture = 'flag'\nshade = 0.5\nwest = 'flag'\n\
+             [[sprite]]\ntexture = 'flag'\nposition = [2, 1.5]\nwidth = 0.5\nheight = 1\n",
+        );
+        let map = read(&text).unwrap();
+        assert_eq!((map.cells, map.depth, map.size), ([4, 3], 5, None));
+        assert_eq!(map.plan, [1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1]);
+        let wall = &map.walls[0];
+        let [west, east, north, south] = wall.faces.map(|it| &map.textures[it]);
+        assert_eq!((west, north), (east, south));
+        assert_eq!(west.texels, [0, 0, 1, CLEAR], "column after column");
+        assert_eq!(west.palette, [[255, 0, 0], [0, 0, 255]]);
+        assert_eq!(north.palette, [[128, 0, 0], [0, 0, 128]]);
+        // Of the pixels that are not transparent.
+        assert_eq!(wall.material.color, [2.0 / 3.0, 0.0, 1.0 / 3.0]);
+        assert_eq!(map.sprites[0].position, [2.0, 0.0, 1.5]);
+        assert_eq!(map.player.eye, [1.5, 0.5, 1.5]);
+        assert_eq!(map.ceiling, None);
+
+        let plain = read(ROOM).unwrap();
+        let [_, _, north, _] = plain.walls[0].faces.map(|it| &plain.textures[it]);
+        assert_eq!(
+            north.palette,
+            [[96, 48, 191]],
+            "three quarters, if nothing is said"
+        );
+    }
+
+    #[test]
+    fn errors_name_the_place_and_the_reason() {
+        let with = |from: &str, to: &str| {
+            assert!(ROOM.contains(from), "{from}");
+            ROOM.replacen(from, to, 1)
+        };
+        let sprite = |fields: &str| {
+            format!("{ROOM}[[sprite]]\ntexture = 'flag'\nposition = [1, 1]\n{fields}")
+        };
+        let long = "#".repeat(PLAN_SIDE + 1);
+        let rows = format!("['{}']", "a".repeat(TEXTURE_SIDE + 1));
+        let cases = [
+            (
+                with("plan", "plans"),
+                "1:1: unknown field `plans`, expected one of `plan`, `size`, `depth`, `background`, `ambient`, `floor`, `ceiling`, `player`, `light`, `material`, `texture`, `wall`, `sprite`",
+            ),
+            (with("floor = 'stone'", ""), "1:1: missing field `floor`"),
+            (
+                with("#..#", "#.M#"),
+                "3:3: `M` is neither a wall of the file nor empty, which `.` and a space are",
+            ),
+            (
+                with("#..#", "#.#"),
+                "3:4: 3 cells in this row, 4 in the first",
+            ),
+            (
+                with("#..#", "#...#"),
+                "3:5: 5 cells in this row, 4 in the first",
+            ),
+            (
+                with("\n#..#\n", "\\n#..#\\n")
+                    .replace("'''", "\"\"\"")
+                    .replacen("#..#", "#.M#", 1),
+                "1:8: `M` is neither a wall of the file nor empty, which `.` and a space are",
+            ),
+            (with("####\n#..#\n####\n", ""), "1:8: the plan has no cells"),
+            (
+                with("####\n#..#\n####\n", &long),
+                "1:8: more than 4096 cells to a side",
+            ),
+            (
+                with("floor = 'stone'", "floor = 'ston'"),
+                "6:9: no material is named `ston`",
+            ),
+            (
+                with("position = [1.5, 1.5]", "position = [-1, 1.5]"),
+                "7:23: the player is not on the plan",
+            ),
+            (
+                with("position = [1.5, 1.5]", "position = [1.5, 2.5]"),
+                "7:23: the player stands in a wall",
+            ),
+            (
+                with("direction = [1, 0]", "direction = [0, 0]"),
+                "7:47: the player's direction is zero",
+            ),
+            (
+                with("fov = 60", "fov = 180"),
+                "7:61: the field of view is 180.0: not between 0 and 180 degrees",
+            ),
+            (
+                with("fov = 60", "fov = 60, height = 1.5"),
+                "7:74: the height of the eye is 1.5: not between 0 and 1",
+            ),
+            (
+                with("rows = ['ab', 'a.']", ""),
+                "10:10: a texture has either `file` or `rows`",
+            ),
+            (
+                with("rows = ['ab', 'a.']", "rows = []"),
+                "11:8: the texture has no pixels",
+            ),
+            (
+                with("rows = ['ab', 'a.']", "rows = ['ab', 'a']"),
+                "11:15: 1 cells in this row, 2 in the first",
+            ),
+            (
+                with("rows = ['ab', 'a.']", &format!("rows = {rows}")),
+                "11:8: more than 1024 pixels to a side of a texture",
+            ),
+            (
+                with(
+                    "rows = ['ab', 'a.']\ncolors = { a = [1, 0, 0], b = [0, 0, 1] }",
+                    "file = 'no.png'",
+                ),
+                "11:8: texture no.png: No such file or directory (os error 2)",
+            ),
+            (
+                with("a = [1, 0, 0]", "ab = [1, 0, 0]"),
+                "12:12: the name of a texture's color is one character, as in its rows",
+            ),
+            (
+                with("a = [1, 0, 0]", "a = [2, 0, 0]"),
+                "12:16: a component of the colour is 2.0: not between 0 and 1",
+            ),
+            (
+                with("[wall.'#']", "[wall.'##']"),
+                "13:7: the name of a wall is one character, as in the plan",
+            ),
+            (
+                format!("{ROOM}texture = 'brick'"),
+                "15:11: no texture is named `brick`",
+            ),
+            (
+                format!("{ROOM}north = 'brick'"),
+                "15:9: no texture is named `brick`",
+            ),
+            (
+                format!("{ROOM}shade = -1"),
+                "15:9: the shade is -1.0: not between 0 and 1",
+            ),
+            (
+                sprite("width = 0\nheight = 1"),
+                "18:9: a sprite is wider and higher than 0",
+            ),
+            (
+                sprite("width = 1\nheight = -1"),
+                "19:10: a sprite is wider and higher than 0",
+            ),
+            (
+                sprite("width = 1\nheight = 1").replace("texture = 'flag'", "texture = 'x'"),
+                "16:11: no texture is named `x`",
+            ),
+            (
+                format!(
+                    "{ROOM}{}",
+                    sprite("width = 1\nheight = 1")[ROOM.len()..]
+                        .repeat(SPRITES + 1)
+                        .replace("height = 1", "height = 1\n")
+                ),
+                "1295:1: more than 256 sprites",
+            ),
+        ];
+        for (text, message) in cases {
+            let error = read(&text).err().unwrap_or_default();
+            assert_eq!(error, format!("t.map:{message}"), "{text:.300}");
+        }
+    }
+
+    #[test]
+    fn pictures_become_palettes() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, pixels: usize| {
+            let colors = (0..pixels).map(|it| format!("{} {} 9\n", it % 256, it / 256));
+            let text = format!("P3\n{pixels} 1\n255\n{}", colors.collect::<String>());
+            std::fs::write(folder.path().join(name), text).unwrap();
+        };
+        write("few.ppm", 255);
+        write("many.ppm", 256);
+        std::fs::write(folder.path().join("none.ppm"), "P3\n0 1\n255\n").unwrap();
+        let read = |name: &str| {
+            let rows = "rows = ['ab', 'a.']\ncolors = { a = [1, 0, 0], b = [0, 0, 1] }";
+            let text = ROOM.replace(rows, &format!("file = '{name}'"));
+            parse(&folder.path().join("t.map"), &text)
+        };
+        let few = read("few.ppm").unwrap();
+        assert_eq!(
+            (few.textures[0].width, few.textures[0].palette[7]),
+            (255, [7, 0, 9])
+        );
+        let many = read("many.ppm").unwrap_err().to_string();
+        assert!(
+            many.ends_with("t.map:11:8: more than 255 colours in a texture"),
+            "{many}"
+        );
+        let none = read("none.ppm").unwrap_err().to_string();
+        assert!(
+            none.contains("11:8: texture none.ppm: 0x1 pixels"),
+            "{none}"
+        );
+    }
+}
