@@ -1,10 +1,11 @@
-//! Finds out whether the target has a square root instruction that stable Rust does not announce.
+//! Finds out whether the target has a square root instruction that stable Rust does not announce, and
+//! whether it computes with floats at all.
 //!
 //! The RISC-V `f` feature is not in `cfg(target_feature)` on stable; the target's name spells it out.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rustc-check-cfg=cfg(riscv_f)");
+    println!("cargo::rustc-check-cfg=cfg(riscv_f, soft_float)");
     let target = std::env::var("TARGET").unwrap_or_default();
     let architecture = target.split('-').next().unwrap_or_default();
     let extensions = architecture
@@ -15,5 +16,11 @@ fn main() {
     let letters = extensions.split('_').next().unwrap_or_default();
     if letters.contains(['f', 'g']) {
         println!("cargo::rustc-cfg=riscv_f");
+    }
+    // Each float operation is a call, and code that many places share is worth calling too.
+    let arm_without = target.starts_with("thumb") && target.ends_with("-eabi");
+    let riscv_without = architecture.starts_with("riscv") && !letters.contains(['f', 'g']);
+    if (arm_without || riscv_without) && target.contains("-none-") {
+        println!("cargo::rustc-cfg=soft_float");
     }
 }

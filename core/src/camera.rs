@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use crate::math::{Exact, Math};
+use crate::math::{Exact, Math, length_squared};
 use crate::ray::Ray;
 
 /// A pinhole and the rectangle in front of it onto which the picture is projected.
@@ -68,7 +68,7 @@ struct Basis {
 impl Basis {
     fn new(eye: Vec3, target: Vec3, up: Vec3) -> Result<Self, CameraError> {
         let view = target - eye;
-        let (view_squared, up_squared) = (view.length_squared(), up.length_squared());
+        let (view_squared, up_squared) = (length_squared(&view), length_squared(&up));
         if !(eye.is_finite() && view_squared.is_finite() && up_squared.is_finite()) {
             return Err(CameraError::NotFinite);
         }
@@ -82,7 +82,7 @@ impl Basis {
         let right = forward.cross(Exact::normalize(up));
         const PARALLEL: f32 = 1.0 / (1_u64 << 40) as f32;
         // Also true for NaN.
-        if !(right.length_squared() > PARALLEL) {
+        if !(length_squared(&right) > PARALLEL) {
             return Err(CameraError::UpAlongView);
         }
         let right = Exact::normalize(right);
@@ -175,7 +175,7 @@ impl Camera {
         // The farthest of the picture's points are its corners.
         let (left, right) = (camera.corner, camera.corner + camera.right);
         let corners = [left, right, left + camera.down, right + camera.down];
-        if !corners.iter().all(|it| it.length_squared().is_finite()) {
+        if !corners.iter().all(|it| length_squared(it).is_finite()) {
             return Err(CameraError::NotFinite);
         }
         Ok(camera)

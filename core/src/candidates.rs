@@ -14,7 +14,7 @@ use glam::Vec3;
 use crate::camera::Rays;
 use crate::geometry::{Geometry, Object, any_absorbs, any_blocks, nearest_of};
 use crate::material::Finish;
-use crate::math::{self, Exact, Math, Transmittance};
+use crate::math::{self, Exact, Math, Transmittance, dot, length_squared};
 use crate::ray::Ray;
 use crate::scene::{Light, LightSource};
 use crate::shape::Shape;
@@ -78,9 +78,9 @@ impl Beam {
         let size = to_center.abs();
         let radius = sphere.radius.abs();
         let reach = radius + (size.x + size.y + size.z + radius) * BEAM_SLACK;
-        to_center.dot(self.across).abs() > reach
-            || to_center.dot(self.left) > reach
-            || to_center.dot(self.right) > reach
+        dot(&to_center, &self.across).abs() > reach
+            || dot(&to_center, &self.left) > reach
+            || dot(&to_center, &self.right) > reach
     }
 }
 
@@ -98,13 +98,13 @@ impl Fan {
     #[inline]
     fn new(eye: Vec3, start: Vec3, step: Vec3, width: u32) -> Option<Self> {
         // In units of the distance to the row's start.
-        let recip = Exact::sqrt_and_recip(start.length_squared()).1;
+        let recip = Exact::sqrt_and_recip(length_squared(&start)).1;
         let (start, step) = (start * recip, step * recip);
         let row = step * width as f32;
-        let (size, across) = (row.length_squared(), start.cross(row));
+        let (size, across) = (length_squared(&row), start.cross(row));
         // The row's distance is above 1/32 of its length and of 1. Also false for NaN.
         const OBLIQUE: f32 = 1024.0;
-        if size > 1e-9 && size < 1e9 && (1.0 + size) * size < OBLIQUE * across.length_squared() {
+        if size > 1e-9 && size < 1e9 && (1.0 + size) * size < OBLIQUE * length_squared(&across) {
             let across = Exact::normalize(across);
             Some(Self {
                 eye,
@@ -350,7 +350,7 @@ impl Seen {
             c.y as f64 - l.y as f64,
             c.z as f64 - l.z as f64,
         ];
-        let distance = sqrt(dot(center, center));
+        let distance = sqrt(exact_dot(center, center));
         let radius = (sphere.radius as f64).abs();
         Self {
             center,
@@ -389,7 +389,7 @@ impl Seen {
     }
 }
 
-const fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+const fn exact_dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

@@ -5,7 +5,7 @@
 
 use crate::candidates::{Beam, Candidates};
 use crate::material::{Finish, Transmission};
-use crate::math::{self, Exact, Math, Transmittance};
+use crate::math::{self, Exact, Math, Transmittance, dot};
 use crate::ray::{Departure, Hit, Ray, Side};
 use crate::shape::Shape;
 use glam::Vec3;
@@ -103,7 +103,7 @@ pub trait Geometry {
         let object = self.nearest::<P>(&mut nearest, 0)?;
         let t = nearest.t_max;
         let (outward, material) = self.surface::<P>(ray, t, object, 0)?;
-        let front = outward.dot(ray.direction) <= 0.0;
+        let front = dot(&outward, &ray.direction) <= 0.0;
         Some(Hit {
             t,
             point: ray.at(t),

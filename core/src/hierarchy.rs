@@ -38,7 +38,7 @@ use heapless::Vec;
 
 use crate::geometry::{Geometry, Object};
 use crate::material::{Finish, Transmission};
-use crate::math::{self, Math, Transmittance};
+use crate::math::{self, Math, Transmittance, dot, length_squared};
 use crate::ray::{Departure, Ray, Side};
 use crate::shape::Shape;
 use crate::shape::cuboid::Cuboid;
@@ -274,11 +274,11 @@ impl<S: Solid> Bound<S> for Ball {
     #[inline(always)]
     fn enter(&self, probe: &BallProbe, t_max: f32) -> Option<f32> {
         let to_center = self.center - probe.origin;
-        let middle = to_center.dot(probe.direction);
+        let middle = dot(&to_center, &probe.direction);
         let miss = to_center - probe.direction * middle;
         let reach = self.radius + probe.margin;
         // Also false for NaN, with which nothing is met.
-        if !(miss.length_squared() <= reach * reach) {
+        if !(length_squared(&miss) <= reach * reach) {
             return None;
         }
         let near = middle - reach;

@@ -26,9 +26,10 @@ pub trait Math: 'static {
     fn powf(x: f32, n: f32) -> f32;
 
     /// `v` over its length. Not a number where the length is zero or its square leaves the range.
-    #[inline]
+    #[cfg_attr(soft_float, inline(never))]
+    #[cfg_attr(not(soft_float), inline)]
     fn normalize(v: Vec3) -> Vec3 {
-        v * Self::sqrt_and_recip(v.length_squared()).1
+        v * Self::sqrt_and_recip(length_squared(&v)).1
     }
 }
 
@@ -279,6 +280,21 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     ]
 }
 
+/// The dot product.
+///
+/// Where each float operation is a call, this is one call of its own.
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline(always))]
+pub fn dot(a: &Vec3, b: &Vec3) -> f32 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+/// The dot product of a vector with itself.
+#[inline(always)]
+pub fn length_squared(v: &Vec3) -> f32 {
+    dot(v, v)
+}
+
 /// The larger of `x` and zero; zero for NaN.
 #[inline(always)]
 pub fn positive(x: f32) -> f32 {
@@ -294,25 +310,28 @@ pub(crate) fn max_component(v: Vec3) -> f32 {
 
 /// A vector whose length differs from 1 only by rounding, without that difference: one step of
 /// Newton's method, no root and no division.
-#[inline]
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline)]
 pub fn renormalize(v: Vec3) -> Vec3 {
-    v * (1.5 - 0.5 * v.length_squared())
+    v * (1.5 - 0.5 * length_squared(&v))
 }
 
 /// `direction` mirrored at a surface with this unit normal; unit length but for rounding, which
 /// [`renormalize`] takes away and which would otherwise grow from bounce to bounce.
-#[inline]
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline)]
 pub fn mirror(direction: Vec3, normal: Vec3) -> Vec3 {
-    direction - normal * (2.0 * direction.dot(normal))
+    direction - normal * (2.0 * dot(&direction, &normal))
 }
 
 /// `direction` refracted by Snell's law, unit length; `None` for total internal reflection.
 ///
 /// `normal` has unit length and is turned to the side from which `direction` comes; `eta` is the
 /// index of refraction on that side over the one on the other side.
-#[inline]
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline)]
 pub fn refract<P: Math>(direction: Vec3, normal: Vec3, eta: f32) -> Option<Vec3> {
-    let cos = -direction.dot(normal);
+    let cos = -dot(&direction, &normal);
     let cos_squared = 1.0 - eta * eta * (1.0 - cos * cos);
     // Also false for NaN.
     if cos_squared >= 0.0 {

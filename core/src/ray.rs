@@ -54,7 +54,8 @@ impl Ray {
     }
 
     /// The point at distance `t`.
-    #[inline]
+    #[cfg_attr(soft_float, inline(never))]
+    #[cfg_attr(not(soft_float), inline)]
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
     }

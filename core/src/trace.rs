@@ -17,7 +17,7 @@ use heapless::Vec;
 
 use crate::geometry::Geometry;
 use crate::material::{Finish, Highlight, Reflection, Transmission};
-use crate::math::{self, Exact, Math};
+use crate::math::{self, Exact, Math, dot, length_squared};
 use crate::ray::{Departure, Hit, Ray};
 use crate::scene::{LightSource, Scene};
 
@@ -219,15 +219,15 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
         let mut light = material.color() * scene.ambient * (material.ambient() * throughput);
         for source in scene.lights {
             let to_light = source.position() - hit.point;
-            let height = hit.normal.dot(to_light);
+            let height = dot(&hit.normal, &to_light);
             // Also false for NaN, and for a light at the point itself.
             if !(height > 0.0) {
                 continue;
             }
-            let (distance, recip) = P::sqrt_and_recip(to_light.length_squared());
+            let (distance, recip) = P::sqrt_and_recip(length_squared(&to_light));
             let direction = to_light * recip;
             // No shadow ray for what cannot be seen, and no power for what lies in shadow.
-            let cos = mirrored.dot(direction);
+            let cos = dot(&mirrored, &direction);
             let weight = source.color() * throughput;
             let diffuse = material.diffuse() * (height * recip);
             // A bound from scalars: see `threshold`.

@@ -5,7 +5,7 @@ use core::fmt;
 use glam::Vec3;
 
 use super::Shape;
-use crate::math::{self, Math};
+use crate::math::{self, Math, dot, length_squared};
 use crate::ray::{Ray, Side};
 
 /// The side of a cylinder, a cone or a frustum of one: open at both ends.
@@ -119,31 +119,31 @@ impl Frustum {
         let approach = if leaving.is_some() {
             0.0
         } else {
-            to_base.dot(ray.direction)
+            dot(&to_base, &ray.direction)
         };
         let from_base = ray.direction * approach - to_base;
         // Along the axis, across it, and the radius there; then how these change along the ray.
-        let along = from_base.dot(self.axis);
+        let along = dot(&from_base, &self.axis);
         let across = from_base - self.axis * along;
         let radius = self.base_radius + self.slope * along;
-        let along_rate = ray.direction.dot(self.axis);
+        let along_rate = dot(&ray.direction, &self.axis);
         let across_rate = ray.direction - self.axis * along_rate;
         let radius_rate = self.slope * along_rate;
         // a t² + 2 b t + c = 0.
-        let a = across_rate.length_squared() - radius_rate * radius_rate;
-        let b = across.dot(across_rate) - radius * radius_rate;
+        let a = length_squared(&across_rate) - radius_rate * radius_rate;
+        let b = dot(&across, &across_rate) - radius * radius_rate;
         let (c, root) = if leaving.is_some() {
             (0.0, if b < 0.0 { -b } else { b })
         } else {
             // b² - a c without its cancellation, by Lagrange's identity.
             let growth = across_rate * radius - across * radius_rate;
             let twist = across.cross(across_rate);
-            let discriminant = growth.length_squared() - twist.length_squared();
+            let discriminant = length_squared(&growth) - length_squared(&twist);
             // Also true for NaN.
             if !(discriminant >= 0.0) {
                 return (None, None);
             }
-            let c = across.length_squared() - radius * radius;
+            let c = length_squared(&across) - radius * radius;
             (c, P::sqrt(discriminant))
         };
         // The derivative at a root is twice the root of the discriminant: negative where the ray
@@ -196,8 +196,8 @@ impl Shape for Frustum {
     #[inline]
     fn normal<P: Math>(&self, ray: &Ray, t: f32) -> Vec3 {
         let from_base = ray.at(t) - self.base;
-        let across = from_base - self.axis * from_base.dot(self.axis);
-        let square = across.length_squared();
+        let across = from_base - self.axis * dot(&from_base, &self.axis);
+        let square = length_squared(&across);
         // Also true for NaN. At the tip of a cone there is no direction across the axis.
         if !(square > 0.0) {
             return if self.slope > 0.0 {

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use super::Shape;
 use super::polygon::{Axis, PolygonError, newell, x, y};
 use super::triangle;
-use crate::math::{self, Math};
+use crate::math::{self, Math, length_squared};
 use crate::ray::{Ray, Side};
 
 /// A triangle with a normal at each vertex, interpolated in between: B. T. Phong's shading,
@@ -108,7 +108,7 @@ impl Shape for Patch {
         let blend = self.normals[0] * (weights[0] / sum)
             + self.normals[1] * (weights[1] / sum)
             + self.normals[2] * (weights[2] / sum);
-        let square = blend.length_squared();
+        let square = length_squared(&blend);
         // Also false for NaN: a patch seen edge-on, or normals that cancel.
         if square > 0.0 && square < f32::INFINITY {
             blend * P::sqrt_and_recip(square).1

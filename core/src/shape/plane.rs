@@ -5,7 +5,7 @@ use core::fmt;
 use glam::Vec3;
 
 use super::Shape;
-use crate::math::{self, Math};
+use crate::math::{self, Math, dot};
 use crate::ray::{Ray, Side};
 
 /// All points whose difference from `point` is perpendicular to `normal`.
@@ -56,14 +56,19 @@ impl Plane {
 
 /// How far the plane through `point` lies beyond the ray's origin, along its normal, and how fast the
 /// ray nears it. Differences first, so that digits survive far from the world's origin.
-#[inline(always)]
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline(always))]
 pub(super) fn approach(ray: &Ray, point: Vec3, normal: Vec3) -> (f32, f32) {
-    (normal.dot(point - ray.origin), normal.dot(ray.direction))
+    (
+        dot(&normal, &(point - ray.origin)),
+        dot(&normal, &ray.direction),
+    )
 }
 
 /// The quotient of both, where the ray admits it. No angle counts as parallel but the exact one, whose
 /// quotient is infinite or NaN.
-#[inline(always)]
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline(always))]
 pub(super) fn distance(ray: &Ray, (height, rate): (f32, f32)) -> Option<f32> {
     // Quotients of two signs are not positive: no need to divide.
     if ((height.to_bits() ^ rate.to_bits()) as i32) < 0 {

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::Shape;
 use super::cuboid::slab;
-use crate::math::{self, Math};
+use crate::math::{self, Math, dot, length_squared};
 use crate::ray::{Ray, Side};
 
 /// All points at which a polynomial of degree two is zero and that the [`Clip`] holds; where it is
@@ -118,7 +118,7 @@ impl Clip {
         let x = slab(q.x, d.x, r.x, self.min.x, self.max.x)?;
         let y = slab(q.y, d.y, r.y, self.min.y, self.max.y)?;
         let z = slab(q.z, d.z, r.z, self.min.z, self.max.z)?;
-        let (place, rate) = (self.axis.dot(q), self.axis.dot(d));
+        let (place, rate) = (dot(&self.axis, &q), dot(&self.axis, &d));
         let along = slab(place, rate, 1.0 / rate, self.from, self.to)?;
         let later = |a: f32, b: f32| if a > b { a } else { b };
         let earlier = |a: f32, b: f32| if a < b { a } else { b };
@@ -132,7 +132,7 @@ impl Clip {
     /// Distance from the nearest of the planes, and its outward normal.
     #[inline]
     fn face(&self, q: Vec3) -> (f32, Vec3) {
-        let place = self.axis.dot(q);
+        let place = dot(&self.axis, &q);
         let faces = [
             (q.x - self.min.x, Vec3::NEG_X),
             (q.x - self.max.x, Vec3::X),
@@ -416,14 +416,14 @@ impl Quadric {
     #[inline(always)]
     fn at(&self, q: Vec3) -> (Vec3, f32) {
         let half_gradient = self.times(q) + self.linear;
-        let value = q.dot(half_gradient + self.linear) + self.constant;
+        let value = dot(&q, &(half_gradient + self.linear)) + self.constant;
         (half_gradient, value)
     }
 
     #[inline(always)]
     fn line(&self, q: Vec3, direction: Vec3, a: f32) -> Line {
         let (half_gradient, c) = self.at(q);
-        let b = half_gradient.dot(direction);
+        let b = dot(&half_gradient, &direction);
         Line { q, a, b, c }
     }
 
@@ -436,7 +436,7 @@ impl Quadric {
         let (distance, normal) = self.clip.face(q);
         let (half_gradient, value) = self.at(q);
         // The quadric's distance is its value over its gradient, to first order.
-        let steepness = 2.0 * P::sqrt(half_gradient.length_squared());
+        let steepness = 2.0 * P::sqrt(length_squared(&half_gradient));
         (value.abs() > steepness * distance).then_some(normal)
     }
 
@@ -453,13 +453,13 @@ impl Quadric {
         if !(to > 0.0 && from < ray.t_max) {
             return NOTHING;
         }
-        let a = self.times(direction).dot(direction) + 0.0;
+        let a = dot(&self.times(direction), &direction) + 0.0;
         let (shift, line) = match leaving {
             None => {
                 // The origin moves to the ray's closest approach before anything is squared, as for the
                 // sphere, and from there, where the discriminant cancels, to where the polynomial is
                 // extreme.
-                let approach = -origin.dot(direction);
+                let approach = -dot(&origin, &direction);
                 let line = self.line(origin + direction * approach, direction, a);
                 if line.is_sure() {
                     (approach, line)
@@ -567,7 +567,7 @@ impl Shape for Quadric {
             return normal;
         }
         let (half_gradient, _) = self.at(q);
-        if half_gradient.length_squared() > 0.0 {
+        if length_squared(&half_gradient) > 0.0 {
             P::normalize(half_gradient)
         } else {
             // At the tip of a cone there is no direction.

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::Shape;
 use crate::candidates::Beam;
-use crate::math::Math;
+use crate::math::{Math, dot, length_squared};
 use crate::ray::{Ray, Side};
 
 /// All points at `radius` from `center`.
@@ -56,14 +56,15 @@ impl Sphere {
     }
 
     /// Entry and exit, in that order, whether or not the ray admits them.
-    #[inline(always)]
+    #[cfg_attr(soft_float, inline(never))]
+    #[cfg_attr(not(soft_float), inline(always))]
     fn roots<P: Math>(&self, ray: &Ray) -> Option<(f32, f32)> {
         // The origin moves to the ray's closest approach before anything is squared, and the small
         // quadratic is solved there: I. Wald, "Improving Numerical Precision in Intersection
         // Programs", Ray Tracing Gems II (2021), ch. 34.
         let to_center = self.center - ray.origin;
-        let approach = to_center.dot(ray.direction);
-        let distance_squared = to_center.length_squared();
+        let approach = dot(&to_center, &ray.direction);
+        let distance_squared = length_squared(&to_center);
         let radius_squared = self.radius * self.radius;
         // What surely misses goes first: the textbook discriminant, whose terms and those below are
         // each off by less than 2^-20 of `distance_squared`. Nothing that is met below stops here.
@@ -72,8 +73,8 @@ impl Sphere {
             return None;
         }
         let miss = ray.direction * approach - to_center;
-        let along = miss.dot(ray.direction);
-        let half_chord_squared = radius_squared - miss.length_squared() + along * along;
+        let along = dot(&miss, &ray.direction);
+        let half_chord_squared = radius_squared - length_squared(&miss) + along * along;
         // Also false for NaN. What has no radius has no surface.
         if half_chord_squared >= 0.0 && radius_squared > 0.0 {
             let half_chord = P::sqrt(half_chord_squared);
@@ -92,7 +93,7 @@ impl Sphere {
     fn chord(&self, ray: &Ray, side: Side) -> Option<f32> {
         // Where only the inside is visible, that is the outward side.
         if (side == Side::Inside) == self.shows_outside() {
-            ray.admitted(2.0 * (self.center - ray.origin).dot(ray.direction))
+            ray.admitted(2.0 * dot(&(self.center - ray.origin), &ray.direction))
         } else {
             None
         }

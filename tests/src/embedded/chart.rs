@@ -103,8 +103,9 @@ RAM, its stack, its instructions and its cycles. All pictures are the host's, bi
   instructions and steps by the timings of the Cortex-M4's manual, with memory that answers at once: a
   model, not hardware. A taken branch counts {REFILL} more, an integer division {DIVIDE}.
 - Profiles: *speed* is opt-level 2, fat LTO, one codegen unit, panic abort, on the Cortex-M4F with
-  `-Ctarget-feature=+slowfpvmlx`; *size* the same without that; *panel* is *speed* drawn through embedded-graphics onto the stand-in of a display, whose
-  two rows of pixels the empty program has too; *libgcc* is *speed* with GCC's soft float.
+  `-Ctarget-feature=+slowfpvmlx`; *size* the same without that, and on the Cortex-M0 opt-level s;
+  *panel* is *speed* drawn through embedded-graphics onto the stand-in of a display, whose two rows of
+  pixels the empty program has too; *libgcc* is *speed* with GCC's soft float.
 "
     );
     text += AGAINST_C;

@@ -95,6 +95,7 @@ pub fn variants() -> Vec<Variant<'static>> {
             ..with("panel", CORTEX_M4F, &["panel"], &[])
         },
         with("size", CORTEX_M4F, &[], &["-Ctarget-feature=-slowfpvmlx"]),
+        with("size", CORTEX_M0, &[], &["-Copt-level=s"]),
         with("libgcc", CORTEX_M0, &["libgcc"], &[]),
         with("libgcc", CORTEX_M3, &["libgcc"], &[]),
     ]);
