@@ -319,6 +319,20 @@ fn goals_are_met() {
         let flash = row(rows, profile, "Cortex-M4F", program).flash;
         assert!(flash <= most, "{program} for {profile} takes {flash} bytes");
     }
+    // Hundredths of plain C's cycles.
+    if has_arm_gcc() {
+        for (program, most) in [("six-spheres", 75.0), ("c-ray", 95.0), ("tiny", 85.0)] {
+            let in_c = measure::in_c(program);
+            let row = |name| row(rows, "speed", "Cortex-M4F", name);
+            let [ours, theirs] = [program, &in_c].map(|it| row(it).cycles.unwrap());
+            assert!(
+                ours * 100.0 <= theirs * most,
+                "{program}: {ours} to {theirs}"
+            );
+        }
+        let pixels_a_megahertz = 1e6 / m4f("six-spheres").cycles.unwrap();
+        assert!(pixels_a_megahertz >= 850.0, "{pixels_a_megahertz}");
+    }
     // A part without FPU, where each float operation is a call; the support library not counted.
     let table = chart::read().unwrap();
     for program in ["six-spheres", "c-ray", "everything"] {
