@@ -266,7 +266,7 @@ impl<const N: usize> Tree<N> {
                             node.meet::<S, _, false>(simd, &boxes, limit)
                         };
                     if met != 0 {
-                        // The nearest is next, the others wait.
+                        // The nearest is next, the others wait, the nearer on top.
                         let lane = met.trailing_zeros() as usize % N;
                         next = node.children[lane];
                         met &= met - 1;
@@ -278,6 +278,7 @@ impl<const N: usize> Tree<N> {
                             entry.store_slice(&mut entries);
                         }
                         let mut nearest = entries[lane];
+                        let first = waiting.len();
                         loop {
                             let lane = met.trailing_zeros() as usize % N;
                             met &= met - 1;
@@ -287,6 +288,14 @@ impl<const N: usize> Tree<N> {
                             }
                             let fits = waiting.push(farther).is_ok();
                             debug_assert!(fits, "the tree was built for fewer");
+                            if ORDERED {
+                                let boxes = &mut waiting[first..];
+                                let mut place = boxes.len() - 1;
+                                while place > 0 && boxes[place - 1].0 < boxes[place].0 {
+                                    boxes.swap(place - 1, place);
+                                    place -= 1;
+                                }
+                            }
                             if met == 0 {
                                 continue 'search;
                             }
