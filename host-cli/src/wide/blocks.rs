@@ -14,9 +14,6 @@ use super::parts::Parts;
 use super::rays::{Needs, RayTerms};
 use super::sphere::Spheres;
 
-/// How many objects fit into a block. Of more lanes more would lie idle: a tree's leaves hold few.
-pub const LANES: usize = 8;
-
 /// What the lanes of a block are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -49,21 +46,21 @@ impl Kind {
 
 /// The blocks of one kind, and what their lanes stand for.
 #[derive(Clone, Debug)]
-pub struct Shelf<B> {
+pub struct Shelf<B, const N: usize> {
     pub blocks: Vec<B>,
-    pub labels: Vec<Labels>,
+    pub labels: Vec<Labels<N>>,
 }
 
 /// What the lanes of a block stand for.
 #[derive(Clone, Copy, Debug)]
-pub struct Labels {
+pub struct Labels<const N: usize> {
     /// Places in the geometry.
-    pub objects: [u32; LANES],
+    pub objects: [u32; N],
     /// A bit a lane: whether no light goes through.
     pub opaque: u32,
 }
 
-impl<B> Default for Shelf<B> {
+impl<B, const N: usize> Default for Shelf<B, N> {
     fn default() -> Self {
         Self {
             blocks: Vec::new(),
@@ -72,39 +69,39 @@ impl<B> Default for Shelf<B> {
     }
 }
 
-impl<B> Shelf<B> {
-    fn push(&mut self, block: B, labels: Labels) -> usize {
+impl<B, const N: usize> Shelf<B, N> {
+    fn push(&mut self, block: B, labels: Labels<N>) -> usize {
         self.blocks.push(block);
         self.labels.push(labels);
         self.blocks.len() - 1
     }
 }
 
-/// The blocks of a scene.
+/// Blocks of `N` objects.
 #[derive(Clone, Debug, Default)]
-pub struct Blocks {
-    pub spheres: Shelf<Spheres>,
-    pub hollow_spheres: Shelf<Spheres>,
-    pub triangles: Shelf<Outlines<3>>,
-    pub quads: Shelf<Outlines<4>>,
-    pub outlines: Shelf<Outline>,
-    pub cuboids: Shelf<Cuboids>,
-    pub frusta: Shelf<Frusta>,
-    pub hollow_frusta: Shelf<Frusta>,
+pub struct Blocks<const N: usize> {
+    pub spheres: Shelf<Spheres<N>, N>,
+    pub hollow_spheres: Shelf<Spheres<N>, N>,
+    pub triangles: Shelf<Outlines<3, N>, N>,
+    pub quads: Shelf<Outlines<4, N>, N>,
+    pub outlines: Shelf<Outline, N>,
+    pub cuboids: Shelf<Cuboids<N>, N>,
+    pub frusta: Shelf<Frusta<N>, N>,
+    pub hollow_frusta: Shelf<Frusta<N>, N>,
 }
 
 /// Which lanes of a block meet a ray, and where.
-pub struct Found<'a, V> {
+pub struct Found<'a, V, const N: usize> {
     pub t: V,
     /// A bit a lane.
     pub lanes: u32,
-    pub labels: &'a Labels,
+    pub labels: &'a Labels<N>,
 }
 
-impl Blocks {
+impl<const N: usize> Blocks<N> {
     /// How many objects a block of some kind holds.
     pub fn capacity(kind: Kind) -> usize {
-        if kind == Kind::Outline { 1 } else { LANES }
+        if kind == Kind::Outline { 1 } else { N }
     }
 
     /// Which terms of a ray the blocks ask for.
@@ -118,8 +115,8 @@ impl Blocks {
 
     /// The bytes of all blocks and labels.
     pub fn bytes(&self) -> usize {
-        fn shelf<B>(shelf: &Shelf<B>) -> usize {
-            shelf.blocks.len() * size_of::<B>() + shelf.labels.len() * size_of::<Labels>()
+        fn shelf<B, const N: usize>(shelf: &Shelf<B, N>) -> usize {
+            shelf.blocks.len() * size_of::<B>() + shelf.labels.len() * size_of::<Labels<N>>()
         }
         let rows = self.outlines.blocks.iter().map(Outline::bytes);
         shelf(&self.spheres)
@@ -135,7 +132,7 @@ impl Blocks {
 
     /// What the lanes of a block stand for.
     #[inline(always)]
-    pub fn labels(&self, kind: Kind, index: usize) -> &Labels {
+    pub fn labels(&self, kind: Kind, index: usize) -> &Labels<N> {
         match kind {
             Kind::Sphere => &self.spheres.labels[index],
             Kind::HollowSphere => &self.hollow_spheres.labels[index],
@@ -167,7 +164,7 @@ impl Blocks {
         // Of equally near lanes the first is the one with the lowest place.
         items.sort_unstable_by_key(|item| item.object);
         let mut labels = Labels {
-            objects: [u32::MAX; LANES],
+            objects: [u32::MAX; N],
             opaque: 0,
         };
         for (lane, item) in items.iter().enumerate() {
@@ -197,7 +194,7 @@ impl Blocks {
             }
             Kind::Outline => {
                 let (vertices, normal) = parts.outline(items[0].object as usize);
-                let block = Outline::new(vertices, normal);
+                let block = Outline::new::<N>(vertices, normal);
                 self.outlines.push(block, labels)
             }
             Kind::Cuboid => {
@@ -226,7 +223,7 @@ impl Blocks {
         index: usize,
         terms: &RayTerms<'_>,
         limit: f32,
-    ) -> Found<'_, V> {
+    ) -> Found<'_, V, N> {
         macro_rules! meet {
             ($shelf:ident, $block:ident => $meeting:expr) => {{
                 let $block = &self.$shelf.blocks[index];
@@ -246,7 +243,7 @@ impl Blocks {
                 meet!(hollow_frusta, it => it.meet::<S, V, true>(simd, terms, limit))
             }
             Kind::Outline => {
-                let t = self.outlines.blocks[index].meet::<S, V>(simd, terms, limit);
+                let t = self.outlines.blocks[index].meet::<S, V, N>(simd, terms, limit);
                 Found {
                     t: V::simd_from(simd, t.unwrap_or(0.0)),
                     lanes: u32::from(t.is_some()),
@@ -257,9 +254,9 @@ impl Blocks {
     }
 }
 
-impl<'a, V> Found<'a, V> {
+impl<'a, V, const N: usize> Found<'a, V, N> {
     #[inline(always)]
-    pub fn new<S: Simd>(meeting: Meeting<V, V::Mask>, labels: &'a Labels) -> Self
+    pub fn new<S: Simd>(meeting: Meeting<V, V::Mask>, labels: &'a Labels<N>) -> Self
     where
         V: Lanes<S>,
     {

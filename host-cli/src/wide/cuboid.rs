@@ -6,22 +6,21 @@ use fearless_simd::{Select, Simd, SimdMask};
 use whitted::Cuboid;
 
 use super::across::Terms;
-use super::blocks::LANES;
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
 use super::rays::RayTerms;
 
-/// [`LANES`] axis-aligned boxes.
+/// `N` axis-aligned boxes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Cuboids {
+pub struct Cuboids<const N: usize> {
     /// For each axis the lower and the upper bounds.
-    bounds: [[[f32; LANES]; 2]; 3],
+    bounds: [[[f32; N]; 2]; 3],
 }
 
-impl Cuboids {
+impl<const N: usize> Cuboids<N> {
     pub fn new(cuboids: impl Iterator<Item = Cuboid>) -> Self {
         // What has no extent is never met.
-        let mut bounds = [[[f32::NAN; LANES]; 2]; 3];
+        let mut bounds = [[[f32::NAN; N]; 2]; 3];
         for (lane, cuboid) in cuboids.enumerate() {
             for (axis, rows) in bounds.iter_mut().enumerate() {
                 rows[0][lane] = cuboid.min[axis];
@@ -79,10 +78,10 @@ struct Inside<V, M> {
 impl<V, M> Inside<V, M> {
     /// Looks at the planes across another axis.
     #[inline(always)]
-    fn cut<S: Simd>(
+    fn cut<S: Simd, const N: usize>(
         &mut self,
         simd: S,
-        [min, max]: &[[f32; LANES]; 2],
+        [min, max]: &[[f32; N]; 2],
         origin: f32,
         direction: f32,
         reciprocal: f32,

@@ -4,30 +4,29 @@ use fearless_simd::{Select, Simd, SimdMask};
 use whitted::Frustum;
 
 use super::across::Terms;
-use super::blocks::LANES;
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
 use super::rays::RayTerms;
 
-/// [`LANES`] frusta that are all visible from outside, or all from inside only.
+/// `N` frusta that are all visible from outside, or all from inside only.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Frusta {
-    base: [[f32; LANES]; 3],
-    axis: [[f32; LANES]; 3],
+pub struct Frusta<const N: usize> {
+    base: [[f32; N]; 3],
+    axis: [[f32; N]; 3],
     /// Not a number where there is no frustum: that is never met.
-    length: [f32; LANES],
-    base_radius: [f32; LANES],
-    slope: [f32; LANES],
+    length: [f32; N],
+    base_radius: [f32; N],
+    slope: [f32; N],
 }
 
-impl Frusta {
+impl<const N: usize> Frusta<N> {
     pub fn new(frusta: impl Iterator<Item = Frustum>) -> Self {
         let mut block = Self {
-            base: [[0.0; LANES]; 3],
-            axis: [[0.0; LANES]; 3],
-            length: [f32::NAN; LANES],
-            base_radius: [0.0; LANES],
-            slope: [0.0; LANES],
+            base: [[0.0; N]; 3],
+            axis: [[0.0; N]; 3],
+            length: [f32::NAN; N],
+            base_radius: [0.0; N],
+            slope: [0.0; N],
         };
         for (lane, frustum) in frusta.enumerate() {
             for i in 0..3 {

@@ -7,22 +7,21 @@ use fearless_simd::{Select, Simd, SimdMask};
 use glam::Vec3;
 
 use super::across::{Terms, turn};
-use super::blocks::LANES;
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
 use super::rays::RayTerms;
 
-/// [`LANES`] outlines of `CORNERS` vertices, filled even-odd.
+/// `N` outlines of `CORNERS` vertices, filled even-odd.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Outlines<const CORNERS: usize> {
+pub struct Outlines<const CORNERS: usize, const N: usize> {
     /// For each corner a row a coordinate. The fourth rows of the first three corners are the normal.
-    corners: [[[f32; LANES]; 4]; CORNERS],
+    corners: [[[f32; N]; 4]; CORNERS],
 }
 
-impl<const CORNERS: usize> Outlines<CORNERS> {
+impl<const CORNERS: usize, const N: usize> Outlines<CORNERS, N> {
     pub fn new(outlines: impl Iterator<Item = ([Vec3; CORNERS], Vec3)>) -> Self {
         // What has no area is crossed twice or not at all.
-        let mut corners = [[[0.0; LANES]; 4]; CORNERS];
+        let mut corners = [[[0.0; N]; 4]; CORNERS];
         for (lane, (vertices, normal)) in outlines.enumerate() {
             for (corner, vertex) in corners.iter_mut().zip(vertices) {
                 for (row, x) in corner.iter_mut().zip(vertex.to_array()) {
@@ -190,9 +189,9 @@ pub struct Outline {
 }
 
 impl Outline {
-    pub fn new(vertices: &[Vec3], normal: Vec3) -> Self {
+    pub fn new<const N: usize>(vertices: &[Vec3], normal: Vec3) -> Self {
         let last = vertices.last().copied().unwrap_or(Vec3::NAN);
-        let length = vertices.len().next_multiple_of(LANES) + 1;
+        let length = vertices.len().next_multiple_of(N) + 1;
         let rows = [0, 1, 2].map(|axis| {
             let mut row = Vec::with_capacity(length);
             row.push(last[axis]);
@@ -224,7 +223,7 @@ impl Outline {
 
     /// As `Polygon::intersect`, for a point before `limit`.
     #[inline(always)]
-    pub fn meet<S: Simd, V: Lanes<S>>(
+    pub fn meet<S: Simd, V: Lanes<S>, const N: usize>(
         &self,
         simd: S,
         terms: &RayTerms<'_>,
@@ -243,8 +242,8 @@ impl Outline {
         let rows = (&self.rows[x][..], &self.rows[y][..], &self.rows[z][..]);
         let mut inside = V::Mask::splat(simd, false);
         let mut at = 0;
-        while at + LANES < rows.0.len() {
-            let (now, next) = (at..at + LANES, at + 1..at + 1 + LANES);
+        while at + N < rows.0.len() {
+            let (now, next) = (at..at + N, at + 1..at + 1 + N);
             let from = shear.apply(
                 simd,
                 &rows.0[now.clone()],
@@ -258,7 +257,7 @@ impl Outline {
                 &rows.2[next],
             );
             inside ^= crosses(from, from[1].simd_ge(zero), to, to[1].simd_ge(zero));
-            at += LANES;
+            at += N;
         }
         if inside.to_bitmask().count_ones() % 2 == 0 {
             return None;

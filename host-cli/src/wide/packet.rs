@@ -15,13 +15,13 @@ use whitted::math::Transmittance;
 
 use super::across::{self, Terms, TermsOf};
 use super::beams::Beams;
-use super::blocks::{Found, Kind, LANES};
+use super::blocks::{Found, Kind};
 use super::bounds::FAR;
 use super::lanes::{Lanes, Vectors, fastest_of_each};
 use super::nodes::{Child, Content, Node, met};
 use super::parts::Parts;
 use super::rays::{RayTerms, fastest};
-use super::tree::{Nearest, Search, Tree, Vector, WAITING, without};
+use super::tree::{LEAF, Nearest, Search, Tree, Vector, WAITING, without};
 
 /// Some of as many rays as there are lanes.
 pub struct Packet<'a, const N: usize> {
@@ -327,7 +327,7 @@ impl<const N: usize> Tree<N> {
                     // What a lane a ray costs, and what a lane an object, or an edge.
                     let (by_rays, by_objects) = if kind == Kind::Outline {
                         let edges = parts.outline(labels.objects[0] as usize).0.len();
-                        (edges, count * edges.div_ceil(LANES))
+                        (edges, count * edges.div_ceil(LEAF))
                     } else {
                         (objects.count(), count)
                     };
@@ -413,17 +413,17 @@ impl<const N: usize> Tree<N> {
             let cast = packet.beams.ray(ray);
             let terms = RayTerms::new(&cast, self.needs());
             let terms = black_box(&terms);
-            let found: Found<'_, f32x8<S>> =
+            let found: Found<'_, f32x8<S>, LEAF> =
                 self.all_blocks()
                     .meet(simd, kind, index, terms, limits[ray]);
             let mut met = without(&found, packet.beams.left[ray]);
             if met == 0 {
                 continue;
             }
-            let mut t = [0.0; LANES];
+            let mut t = [0.0; LEAF];
             found.t.store_slice(&mut t);
             while met != 0 {
-                let lane = met.trailing_zeros() as usize % LANES;
+                let lane = met.trailing_zeros() as usize % LEAF;
                 met &= met - 1;
                 let opaque = found.labels.opaque >> lane & 1 != 0;
                 limits[ray] = visit.visit(ray, t[lane], found.labels.objects[lane], opaque);

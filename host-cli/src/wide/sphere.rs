@@ -3,24 +3,23 @@
 use fearless_simd::{Select, Simd, SimdMask};
 use whitted::Sphere;
 
-use super::blocks::LANES;
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
 use super::rays::RayTerms;
 
-/// [`LANES`] spheres that are all visible from outside, or all from inside only.
+/// `N` spheres that are all visible from outside, or all from inside only.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Spheres {
-    center: [[f32; LANES]; 3],
+pub struct Spheres<const N: usize> {
+    center: [[f32; N]; 3],
     /// Minus infinity where there is no sphere, or one without a surface: that is never met.
-    radius_squared: [f32; LANES],
+    radius_squared: [f32; N],
 }
 
-impl Spheres {
+impl<const N: usize> Spheres<N> {
     pub fn new(spheres: impl Iterator<Item = Sphere>) -> Self {
         let mut block = Self {
-            center: [[0.0; LANES]; 3],
-            radius_squared: [f32::NEG_INFINITY; LANES],
+            center: [[0.0; N]; 3],
+            radius_squared: [f32::NEG_INFINITY; N],
         };
         for (lane, sphere) in spheres.enumerate() {
             for (row, x) in block.center.iter_mut().zip(sphere.center.to_array()) {

@@ -6,7 +6,7 @@ use fearless_simd::{Simd, SimdBase, f32x8, f32x16};
 use heapless::Vec as Stack;
 use whitted::{Finish, Ray};
 
-use super::blocks::{Blocks, Found, Kind, LANES};
+use super::blocks::{Blocks, Found, Kind};
 use super::bounds::ROUNDING;
 use super::build::{Binary, Collapse, Item, Method, binary};
 use super::lanes::Lanes;
@@ -19,6 +19,9 @@ pub const FLAT: usize = 64;
 
 /// How many boxes may wait on the way down a tree.
 pub const WAITING: usize = 384;
+
+/// How many objects fit into a leaf. Of more lanes more would lie idle: most leaves hold fewer.
+pub const LEAF: usize = 8;
 
 /// The vector whose lanes are as many as a tree's nodes have children.
 pub trait Vector<S: Simd> {
@@ -34,11 +37,17 @@ impl<S: Simd> Vector<S> for Tree<16> {
     type Lanes = f32x16<S>;
 }
 
+/// The vector of as many lanes as a tree's nodes have children.
+type Many<S, T> = <T as Vector<S>>::Lanes;
+
 /// Blocks of objects below nodes of `N` children.
 #[derive(Clone, Debug)]
 pub struct Tree<const N: usize> {
     nodes: Vec<Node<N>>,
-    blocks: Blocks,
+    /// Its leaves.
+    blocks: Blocks<LEAF>,
+    /// All there is where there is no hierarchy: few blocks, and full ones.
+    flat: Blocks<N>,
     needs: Needs,
     /// How many coordinates of its origin a ray's hits may lie outside the boxes.
     slack: f32,
@@ -89,20 +98,20 @@ impl<const N: usize> Tree<N> {
         let mut tree = Self {
             nodes: Vec::new(),
             blocks: Blocks::default(),
+            flat: Blocks::default(),
             needs: Needs::default(),
             slack: ROUNDING * (1.0 + parts.steepness()),
         };
         if items.len() <= flat {
             items.sort_unstable_by_key(|item| (item.kind as u8, item.object));
             for items in items.chunk_by_mut(|a, b| a.kind == b.kind) {
-                for items in items.chunks_mut(Blocks::capacity(items[0].kind)) {
-                    tree.blocks.push(parts, items);
+                for items in items.chunks_mut(Blocks::<N>::capacity(items[0].kind)) {
+                    tree.flat.push(parts, items);
                 }
             }
         } else {
-            let capacity = |kind| Blocks::capacity(kind).min(LEAF);
             for method in [Method::Area, Method::Halves] {
-                let nodes = binary(&mut items, capacity, method);
+                let nodes = binary(&mut items, Blocks::<LEAF>::capacity, method);
                 tree.nodes.clear();
                 tree.blocks = Blocks::default();
                 if tree.widen(parts, &mut items, &nodes) {
@@ -110,7 +119,11 @@ impl<const N: usize> Tree<N> {
                 }
             }
         }
-        tree.needs = tree.blocks.needs();
+        tree.needs = if tree.nodes.is_empty() {
+            tree.flat.needs()
+        } else {
+            tree.blocks.needs()
+        };
         tree
     }
 
@@ -164,7 +177,7 @@ impl<const N: usize> Tree<N> {
 
     /// The blocks of every kind.
     #[inline(always)]
-    pub fn all_blocks(&self) -> &Blocks {
+    pub fn all_blocks(&self) -> &Blocks<LEAF> {
         &self.blocks
     }
 
@@ -182,7 +195,7 @@ impl<const N: usize> Tree<N> {
 
     /// How to look for what a ray meets.
     fn search(&self) -> Search {
-        let others = |kind: &Kind| *kind != Kind::Sphere && self.blocks.len(*kind) > 0;
+        let others = |kind: &Kind| *kind != Kind::Sphere && self.flat.len(*kind) > 0;
         if !self.nodes.is_empty() {
             if self.needs.turned {
                 Search::Boxes
@@ -212,19 +225,20 @@ impl<const N: usize> Tree<N> {
         simd: S,
         ray: &Ray,
         mut limit: f32,
-        mut visit: impl Visit<S>,
+        mut visit: impl Visit,
     ) -> bool
     where
         Self: Vector<S>,
     {
         let terms = RayTerms::new(ray, self.needs);
-        let blocks = &self.blocks;
         if SEARCH == Search::Spheres as u8 || SEARCH == Search::Blocks as u8 {
             macro_rules! each {
                 ($shelf:ident, $block:ident => $meeting:expr) => {
-                    for ($block, labels) in blocks.$shelf.blocks.iter().zip(&blocks.$shelf.labels) {
-                        let found: Found<'_, f32x8<S>> = Found::new($meeting, labels);
-                        match visit.visit(found, limit) {
+                    for ($block, labels) in
+                        self.flat.$shelf.blocks.iter().zip(&self.flat.$shelf.labels)
+                    {
+                        let found: Found<'_, Many<S, Self>, N> = Found::new($meeting, labels);
+                        match visit.visit::<S, _, N>(found, limit) {
                             Some(nearer) => limit = nearer,
                             None => return true,
                         }
@@ -239,9 +253,10 @@ impl<const N: usize> Tree<N> {
                 each!(cuboids, it => it.meet(simd, &terms, limit));
                 each!(frusta, it => it.meet::<S, _, false>(simd, &terms, limit));
                 each!(hollow_frusta, it => it.meet::<S, _, true>(simd, &terms, limit));
-                for index in 0..blocks.outlines.blocks.len() {
-                    let found = blocks.meet(simd, Kind::Outline, index, &terms, limit);
-                    match visit.visit(found, limit) {
+                for index in 0..self.flat.outlines.blocks.len() {
+                    let found: Found<'_, Many<S, Self>, N> =
+                        self.flat.meet(simd, Kind::Outline, index, &terms, limit);
+                    match visit.visit::<S, _, N>(found, limit) {
                         Some(nearer) => limit = nearer,
                         None => return true,
                     }
@@ -303,8 +318,9 @@ impl<const N: usize> Tree<N> {
                     }
                 }
                 Content::Block(kind, index) => {
-                    let found = blocks.meet(simd, kind, index, terms, limit);
-                    match visit.visit(found, limit) {
+                    let found: Found<'_, f32x8<S>, LEAF> =
+                        self.blocks.meet(simd, kind, index, terms, limit);
+                    match visit.visit::<S, _, LEAF>(found, limit) {
                         Some(nearer) => limit = nearer,
                         None => return true,
                     }
@@ -358,7 +374,10 @@ impl<const N: usize> Tree<N> {
         About {
             search: self.search(),
             takes_any_ray: self.takes_any_ray(),
-            bytes: [self.nodes.len() * size_of::<Node<N>>(), self.blocks.bytes()],
+            bytes: [
+                self.nodes.len() * size_of::<Node<N>>(),
+                self.blocks.bytes() + self.flat.bytes(),
+            ],
         }
     }
 }
@@ -386,9 +405,13 @@ pub enum Search {
 }
 
 /// What is done with what a block finds.
-trait Visit<S: Simd> {
+trait Visit {
     /// Up to which distance more is asked for; `None` ends the search.
-    fn visit(&mut self, found: Found<'_, f32x8<S>>, limit: f32) -> Option<f32>;
+    fn visit<S: Simd, V: Lanes<S>, const N: usize>(
+        &mut self,
+        found: Found<'_, V, N>,
+        limit: f32,
+    ) -> Option<f32>;
 }
 
 struct TakeNearest<'a> {
@@ -396,17 +419,21 @@ struct TakeNearest<'a> {
     nearest: &'a mut Nearest,
 }
 
-impl<S: Simd> Visit<S> for TakeNearest<'_> {
+impl Visit for TakeNearest<'_> {
     #[inline(always)]
-    fn visit(&mut self, found: Found<'_, f32x8<S>>, limit: f32) -> Option<f32> {
+    fn visit<S: Simd, V: Lanes<S>, const N: usize>(
+        &mut self,
+        found: Found<'_, V, N>,
+        limit: f32,
+    ) -> Option<f32> {
         let mut met = without(&found, self.left);
         if met == 0 {
             return Some(limit);
         }
-        let mut t = [0.0; LANES];
+        let mut t = [0.0; N];
         found.t.store_slice(&mut t);
         while met != 0 {
-            let lane = met.trailing_zeros() as usize % LANES;
+            let lane = met.trailing_zeros() as usize % N;
             met &= met - 1;
             self.nearest.offer(t[lane], found.labels.objects[lane]);
         }
@@ -419,15 +446,19 @@ struct UntilDark<'a> {
     absorb: &'a mut dyn FnMut(u32) -> bool,
 }
 
-impl<S: Simd> Visit<S> for UntilDark<'_> {
+impl Visit for UntilDark<'_> {
     #[inline(always)]
-    fn visit(&mut self, found: Found<'_, f32x8<S>>, limit: f32) -> Option<f32> {
+    fn visit<S: Simd, V: Lanes<S>, const N: usize>(
+        &mut self,
+        found: Found<'_, V, N>,
+        limit: f32,
+    ) -> Option<f32> {
         let mut met = without(&found, self.left);
         if met & found.labels.opaque != 0 {
             return None;
         }
         while met != 0 {
-            let lane = met.trailing_zeros() as usize % LANES;
+            let lane = met.trailing_zeros() as usize % N;
             met &= met - 1;
             if (self.absorb)(found.labels.objects[lane]) {
                 return None;
@@ -439,7 +470,7 @@ impl<S: Simd> Visit<S> for UntilDark<'_> {
 
 /// The lanes that are met, without the object that the ray leaves.
 #[inline(always)]
-pub fn without<V>(found: &Found<'_, V>, left: u32) -> u32 {
+pub fn without<V, const N: usize>(found: &Found<'_, V, N>, left: u32) -> u32 {
     let mut met = found.lanes;
     if met != 0 && left != u32::MAX {
         for (lane, &object) in found.labels.objects.iter().enumerate() {
@@ -448,6 +479,3 @@ pub fn without<V>(found: &Found<'_, V>, left: u32) -> u32 {
     }
     met
 }
-
-/// How many objects of a leaf the area heuristic is not asked about.
-const LEAF: usize = 8;
