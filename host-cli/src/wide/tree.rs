@@ -6,6 +6,7 @@ use fearless_simd::{Simd, SimdBase, f32x8, f32x16};
 use heapless::Vec as Stack;
 use whitted::{Finish, Ray};
 
+use super::beams::Set;
 use super::blocks::{Blocks, Found, Kind};
 use super::bounds::ROUNDING;
 use super::build::{Binary, Collapse, Item, Method, binary};
@@ -453,19 +454,23 @@ impl Visit for UntilDark<'_> {
         found: Found<'_, V, N>,
         limit: f32,
     ) -> Option<f32> {
-        let mut met = without(&found, self.left);
+        let met = without(&found, self.left);
         if met & found.labels.opaque != 0 {
             return None;
         }
-        while met != 0 {
-            let lane = met.trailing_zeros() as usize % N;
-            met &= met - 1;
-            if (self.absorb)(found.labels.objects[lane]) {
-                return None;
-            }
-        }
-        Some(limit)
+        let goes_on = met == 0 || !absorbs_any(met, &found.labels.objects, self.absorb);
+        goes_on.then_some(limit)
     }
+}
+
+/// Whether any of the objects of a set of lanes takes the last of a light.
+///
+/// No vector survives a call: the compiler is told that this one is rare, lest it keeps in memory what
+/// the search could keep in registers.
+#[cold]
+#[inline(never)]
+fn absorbs_any(lanes: u32, objects: &[u32], absorb: &mut dyn FnMut(u32) -> bool) -> bool {
+    Set(lanes).any(|lane| absorb(objects[lane]))
 }
 
 /// The lanes that are met, without the object that the ray leaves.
