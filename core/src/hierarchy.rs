@@ -46,6 +46,7 @@ use crate::shape::frustum::Frustum;
 use crate::shape::polygon::Axis;
 use crate::shape::quadric::Quadric;
 use crate::shape::sphere::Sphere;
+use crate::shape::torus::Torus;
 
 /// What a box is round: a node, or some objects next to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,6 +163,7 @@ impl Solid for Sphere {}
 impl Solid for Cuboid {}
 impl Solid for Frustum {}
 impl Solid for Quadric {}
+impl Solid for Torus {}
 
 /// What is put round objects of kind `S`.
 pub trait Bound<S> {

@@ -98,5 +98,6 @@ pub use shape::plane::{Plane, PlaneError};
 pub use shape::polygon::{Polygon, PolygonError};
 pub use shape::quadric::{Clip, Ends, Quadric, QuadricError};
 pub use shape::sphere::{Sphere, SphereError};
+pub use shape::torus::{Torus, TorusError};
 pub use shape::triangle::Triangle;
 pub use trace::{Count, Counters, Event, Tracer};

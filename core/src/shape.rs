@@ -13,6 +13,7 @@ pub mod plane;
 pub mod polygon;
 pub mod quadric;
 pub mod sphere;
+pub mod torus;
 pub mod triangle;
 
 /// A surface that rays can meet.

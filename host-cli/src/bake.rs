@@ -68,9 +68,11 @@ pub fn bake_with(scene: &HostScene<'_>, view: Option<&View>, layout: Layout) -> 
     };
     macro_rules! each_kind {
         ($objects:ident => $use:expr) => {{
-            let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, frusta)))))) =
+            let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, curved)))))) =
                 scene.geometry();
-            each_kind!($objects => $use; spheres planes polygons triangles patches cuboids frusta);
+            let (frusta, (quadrics, tori)) = curved;
+            each_kind!($objects => $use; spheres planes polygons triangles patches cuboids frusta
+                quadrics tori);
         }};
         ($objects:ident => $use:expr; $($kind:ident)*) => {
             $({
@@ -183,6 +185,7 @@ impl Baker {
             return;
         }
         self.import(&["Object", S::TYPE.trim_end_matches("<'static>")]);
+        self.import(S::IMPORTS);
         let sources: Vec<_> = objects
             .iter()
             .map(|Object { shape, material }| {

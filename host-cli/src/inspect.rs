@@ -5,7 +5,10 @@ use std::fmt;
 use std::mem::size_of;
 
 use serde::Serialize;
-use whitted::{Cuboid, Frustum, Glass, Light, Mirror, Patch, Phong, Plane, Sphere, Triangle, Vec3};
+use whitted::{
+    Cuboid, Frustum, Glass, Light, Mirror, Patch, Phong, Plane, Quadric, Sphere, Torus, Triangle,
+    Vec3,
+};
 
 use crate::scene::{HostScene, Material, Pool};
 use crate::scene_file::{Place, SceneFile, Shape};
@@ -170,6 +173,8 @@ fn features(
             "triangle" => "Triangle",
             "patch" => "Patch",
             "box" => "Cuboid",
+            "quadric" => "Quadric",
+            "torus" => "Torus",
             _ => "Frustum",
         })
         .collect();
@@ -211,6 +216,8 @@ fn bytes(
                 "triangle" => size_of::<Triangle>(),
                 "patch" => size_of::<Patch>(),
                 "box" => size_of::<Cuboid>(),
+                "quadric" => size_of::<Quadric>(),
+                "torus" => size_of::<Torus>(),
                 _ => size_of::<Frustum>(),
             }
     };
@@ -317,6 +324,17 @@ fn bounds(file: &SceneFile) -> Option<[[f64; 3]; 2]> {
                 include(base, base_radius);
                 include(apex, apex_radius);
             }
+            Shape::Torus {
+                center,
+                major,
+                minor,
+                ..
+            } => include(center, major + minor),
+            Shape::Quadric { ref form, .. } => {
+                form.extent()
+                    .into_iter()
+                    .for_each(|(center, radius)| include(center, radius));
+            }
         }
     }
     (bounds[0][0] <= bounds[1][0]).then_some(bounds)
@@ -421,6 +439,7 @@ impl fmt::Display for Report {
                     format!("{} ({corners} corners)", plural(count, kind, "polygons"))
                 }
                 "frustum" => plural(count, kind, "frusta"),
+                "torus" => plural(count, kind, "tori"),
                 "box" | "patch" => plural(count, kind, &format!("{kind}es")),
                 _ => plural(count, kind, &format!("{kind}s")),
             })

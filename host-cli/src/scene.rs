@@ -8,12 +8,13 @@ use std::collections::HashMap;
 use glam::Vec3;
 use whitted::{
     Camera, Cuboid, Frustum, Glass, LightSource, Mirror, Object, Patch, PhongReal, Plane, Polygon,
-    Scene, Sphere, Triangle, View,
+    Quadric, Scene, Sphere, Torus, Triangle, View,
 };
 
 use crate::scene_file::{
     self, Lens, Place, Problem, Scale, SceneError, SceneFile, Shape, at, direction, proportions,
 };
+use crate::wide;
 
 /// A material that can do everything.
 pub type Material = whitted::Material<PhongReal, Mirror, Glass>;
@@ -22,19 +23,7 @@ pub type Material = whitted::Material<PhongReal, Mirror, Glass>;
 pub type Kind<'a, S> = &'a [Object<'a, S, Material>];
 
 /// A geometry of every kind of object. Which kinds come first decides ties and nothing else.
-pub type HostGeometry<'a> = (
-    Kind<'a, Sphere>,
-    (
-        Kind<'a, Plane>,
-        (
-            Kind<'a, Polygon<'a>>,
-            (
-                Kind<'a, Triangle>,
-                (Kind<'a, Patch>, (Kind<'a, Cuboid>, Kind<'a, Frustum>)),
-            ),
-        ),
-    ),
-);
+pub type HostGeometry<'a> = wide::Kinds<'a, Material>;
 
 /// A scene of everything.
 pub type AnyScene<'a> = Scene<'a, HostGeometry<'a>, Light>;
@@ -165,6 +154,8 @@ pub struct HostScene<'a> {
     patches: Vec<Object<'a, Patch, Material>>,
     cuboids: Vec<Object<'a, Cuboid, Material>>,
     frusta: Vec<Object<'a, Frustum, Material>>,
+    quadrics: Vec<Object<'a, Quadric, Material>>,
+    tori: Vec<Object<'a, Torus, Material>>,
     lights: Vec<Light>,
     /// For each object in geometry order, which of the file's it is.
     in_file: Vec<usize>,
@@ -187,6 +178,8 @@ impl<'a> HostScene<'a> {
             patches: Vec::new(),
             cuboids: Vec::new(),
             frusta: Vec::new(),
+            quadrics: Vec::new(),
+            tori: Vec::new(),
             lights: Vec::new(),
             in_file: Vec::new(),
         };
@@ -209,7 +202,7 @@ impl<'a> HostScene<'a> {
 
     fn objects(&mut self, pool: &'a Pool) -> Result<(), (Place, Problem)> {
         let scale = self.scale;
-        let mut origins: [Vec<usize>; 7] = Default::default();
+        let mut origins: [Vec<usize>; 9] = Default::default();
         let mut polygons = 0;
         for (index, object) in self.file.objects.iter().enumerate() {
             let material = &pool.materials[pool.material_of[object.material]];
@@ -274,6 +267,23 @@ impl<'a> HostScene<'a> {
                     self.frusta.push(Object { shape, material });
                     6
                 }
+                Shape::Quadric { ref form, closed } => {
+                    let shape = form.cast(closed, scale).map_err(at(place))?;
+                    self.quadrics.push(Object { shape, material });
+                    7
+                }
+                Shape::Torus {
+                    center,
+                    axis,
+                    major,
+                    minor,
+                } => {
+                    let (major, minor) = (scale.length(major), scale.length(minor));
+                    let shape = Torus::new(scale.point(center), direction(axis), major, minor)
+                        .map_err(at(place))?;
+                    self.tori.push(Object { shape, material });
+                    8
+                }
             };
             origins[kind].push(index);
         }
@@ -293,19 +303,10 @@ impl<'a> HostScene<'a> {
 
     /// The objects; what the renderer runs on.
     pub fn geometry(&self) -> HostGeometry<'_> {
-        (
-            &self.spheres,
-            (
-                &self.planes,
-                (
-                    &self.polygons,
-                    (
-                        &self.triangles,
-                        (&self.patches, (&self.cuboids, &self.frusta)),
-                    ),
-                ),
-            ),
-        )
+        let curved = (&self.frusta[..], (&self.quadrics[..], &self.tori[..]));
+        let solids = (&self.patches[..], (&self.cuboids[..], curved));
+        let flat = (&self.polygons[..], (&self.triangles[..], solids));
+        (&self.spheres[..], (&self.planes[..], flat))
     }
 
     /// The file that this is the scene of.
@@ -373,7 +374,7 @@ mod tests {
 
     use whitted::{
         CameraError, CuboidError, FrustumError, Geometry, PatchError, PlaneError, PolygonError,
-        SphereError,
+        QuadricError, SphereError, TorusError,
     };
 
     use super::*;
@@ -438,6 +439,46 @@ mod tests {
                      apex_radius = -1",
                 ),
                 Problem::Frustum(FrustumError::MixedSigns),
+            ),
+            (
+                shape("torus]]\ncenter = [0, 0, 0]\naxis = [0, 1, 0]\nmajor = 1\nminor = 1"),
+                Problem::Torus(TorusError::Radii),
+            ),
+            (
+                shape("torus]]\ncenter = [0, 0, 0]\naxis = [0, 0, 0]\nmajor = 1\nminor = 0.5"),
+                Problem::Torus(TorusError::ZeroAxis),
+            ),
+            (
+                shape("ellipsoid]]\ncenter = [0, 0, 0]\nradii = [1, 0, 1]"),
+                Problem::Quadric(QuadricError::Radius),
+            ),
+            (
+                shape(
+                    "cone]]\nbase = [0, 0, 0]\nbase_radius = -1\napex = [0, 0, 1]\nclosed = true",
+                ),
+                Problem::Quadric(QuadricError::Radius),
+            ),
+            (
+                shape("paraboloid]]\ntip = [0, 0, 0]\nend = [0, 0, 0]\nradius = 1"),
+                Problem::Quadric(QuadricError::ZeroLength),
+            ),
+            (
+                shape("hyperboloid]]\nbase = [0, 0, 0]\napex = [0, 0, 1]\nradius = 1\nwaist = 2"),
+                Problem::Quadric(QuadricError::Waist),
+            ),
+            (
+                shape("hyperboloid]]\nbase = [0, 0, 0]\napex = [0, 0, 1]\nradius = 1\ngap = 1"),
+                Problem::Quadric(QuadricError::Gap),
+            ),
+            (
+                shape("quadric]]\ncenter = [0, 0, 0]\nlinear = [1, 0, 0]"),
+                Problem::Quadric(QuadricError::NotQuadratic),
+            ),
+            (
+                shape(
+                    "quadric]]\ncenter = [0, 0, 0]\nsquares = [1, 0, 0]\nmin = [1, 1, 1]\nmax = [0, 2, 2]",
+                ),
+                Problem::Quadric(QuadricError::EmptyClip),
             ),
             (
                 camera("eye = [1, 2, 3]\ntarget = [1, 2, 3]\nfov = 30"),

@@ -13,11 +13,13 @@ mod error;
 pub mod limits;
 pub mod map;
 pub mod nff;
+mod quadric;
 mod scale;
 pub mod toml;
 
 pub(crate) use error::{Located, at};
 pub use error::{Place, Problem, SceneError};
+pub use quadric::{General, Quadric};
 pub use scale::{Scale, direction, proportions};
 
 /// A scene as a file describes it. Lengths share one unit of the file's choice; colours are linear.
@@ -192,6 +194,24 @@ pub enum Shape {
         /// Its radius; 0 for a pointed cone.
         apex_radius: f64,
     },
+    /// A surface of degree two.
+    Quadric {
+        /// Which.
+        form: Quadric,
+        /// Whether it is a solid with flat faces where it is cut.
+        closed: bool,
+    },
+    /// A tube round a circle.
+    Torus {
+        /// Of the circle.
+        center: [f64; 3],
+        /// Across the circle, of any length.
+        axis: [f64; 3],
+        /// Radius of the circle.
+        major: f64,
+        /// Radius of the tube.
+        minor: f64,
+    },
 }
 
 impl Shape {
@@ -205,6 +225,8 @@ impl Shape {
             Self::Patch { .. } => "patch",
             Self::Box { .. } => "box",
             Self::Frustum { .. } => "frustum",
+            Self::Quadric { .. } => "quadric",
+            Self::Torus { .. } => "torus",
         }
     }
 }

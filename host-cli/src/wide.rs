@@ -9,7 +9,8 @@
 //! Lanes do what `whitted`'s kernels do, operation by operation. Boxes are a little wider than their
 //! content (`bounds`), so that none hides a hit that a kernel would report. Of equally near hits the
 //! first in the geometry wins, wherever it lies in the hierarchy. An object that a ray leaves, one whose
-//! numbers are out of all proportion, and a ray whose numbers are, are left to the kernels themselves.
+//! numbers are out of all proportion, and a ray whose numbers are, are left to the kernels themselves, and
+//! so are quadrics and tori, of which each is looked at.
 
 #![forbid(unsafe_code)]
 
@@ -92,7 +93,7 @@ use tree::{About, FLAT, Nearest, Search, Tree};
 #[derive(Debug)]
 pub struct Wide<'a, M> {
     parts: Parts<'a, M>,
-    /// Places of objects that no block holds: planes, and those with odd numbers.
+    /// Places of objects that no block holds: planes, quadrics, tori, and those with odd numbers.
     loose: Vec<u32>,
     tree: AnyTree,
     search: Search,
@@ -274,10 +275,10 @@ impl<M> Wide<'_, M> {
             && self.parts.len() < 1 << 24
     }
 
-    /// These objects.
+    /// These objects, each once.
     fn apart(&self, left: u32) -> impl Iterator<Item = u32> {
-        let left = (left != u32::MAX).then_some(left);
-        left.into_iter().chain(self.loose.iter().copied())
+        let others = self.loose.iter().copied().filter(move |&it| it != left);
+        (left != u32::MAX).then_some(left).into_iter().chain(others)
     }
 
     /// What a ray meets of these objects. Not inlined, nor are the next two: most rays have none, and what

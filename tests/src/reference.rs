@@ -7,14 +7,18 @@
 //! T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980.
 
 mod hierarchy;
+mod quadric;
 mod scene_file;
 mod shape;
+mod torus;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use hierarchy::Hierarchy;
+pub use quadric::Quadric;
 pub use shape::Shape;
+pub(crate) use torus::roots as torus_roots;
 
 /// What to trace: objects under lights, before a background.
 #[derive(Clone, Debug)]

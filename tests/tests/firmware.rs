@@ -131,6 +131,8 @@ fn every_target_draws_what_the_host_draws() {
     let varied = [
         "matte",
         "everything",
+        "quadric",
+        "torus",
         "six-spheres",
         "c-ray",
         "tiny",
@@ -520,7 +522,14 @@ const FEATURES: &[Feature] = &[
         name: "planes",
         bodies: &[intersect("core/src/shape/plane.rs")],
         named_by: |program| {
-            let others = ["spheres-and-plane", "six-spheres", "tiny", "outside"];
+            let others = [
+                "spheres-and-plane",
+                "six-spheres",
+                "tiny",
+                "outside",
+                "quadric",
+                "torus",
+            ];
             is_on_or_above(program, "floor") || is_one_of(program, &others)
         },
     },
@@ -531,7 +540,7 @@ const FEATURES: &[Feature] = &[
             &["Geometry for [Object", "fn blocks<"],
         )],
         named_by: |program| {
-            let opaque = ["matte-shadows", "c-ray", "outside"];
+            let opaque = ["matte-shadows", "c-ray", "outside", "quadric", "torus"];
             is_on_or_above(program, "shadows") && !is_on_or_above(program, "glass")
                 || is_one_of(program, &opaque)
         },
@@ -549,6 +558,8 @@ const FEATURES: &[Feature] = &[
                 "c-ray",
                 "tiny",
                 "outside",
+                "quadric",
+                "torus",
             ];
             is_on_or_above(program, "highlight") && program != "everything"
                 || is_one_of(program, &others)
@@ -568,6 +579,16 @@ const FEATURES: &[Feature] = &[
         name: "frusta",
         bodies: &[intersect("core/src/shape/frustum.rs")],
         named_by: |program| is_on_or_above(program, "frustum"),
+    },
+    Feature {
+        name: "quadrics",
+        bodies: &[body("core/src/shape/quadric.rs", &["fn meets<"])],
+        named_by: |program| program == "quadric",
+    },
+    Feature {
+        name: "tori",
+        bodies: &[body("core/src/shape/torus.rs", &["fn walk<"])],
+        named_by: |program| program == "torus",
     },
     Feature {
         name: "mirrors",

@@ -674,6 +674,19 @@ fn scaled(file: &SceneFile, k: i32) -> SceneFile {
                 *base_radius *= factor;
                 *apex_radius *= factor;
             }
+            scene_file::Shape::Torus {
+                center,
+                major,
+                minor,
+                ..
+            } => {
+                scale(center);
+                *major *= factor;
+                *minor *= factor;
+            }
+            scene_file::Shape::Quadric { form, .. } => {
+                *form = form.map(&|length| length * factor, &|direction| direction);
+            }
         }
     }
     file
@@ -682,7 +695,12 @@ fn scaled(file: &SceneFile, k: i32) -> SceneFile {
 /// The scenes of this repository, and those of `../shared/scenes` where that folder is there.
 fn scene_files() -> Vec<SceneFile> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let own = ["golden/spheres.toml", "../host-cli/scenes/builtin.toml"];
+    let own = [
+        "golden/spheres.toml",
+        "gallery/quadrics.toml",
+        "gallery/tori.toml",
+        "../host-cli/scenes/builtin.toml",
+    ];
     let mut paths: Vec<_> = own.map(|path| here.join(path)).to_vec();
     match here.join("../../shared/scenes/spd").read_dir() {
         Ok(folder) => paths.extend(folder.filter_map(|entry| Some(entry.ok()?.path()))),

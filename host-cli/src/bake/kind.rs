@@ -4,7 +4,9 @@ use std::mem::size_of;
 use std::ops::RangeInclusive;
 
 use whitted::hierarchy::{Aabb, Ball, Node};
-use whitted::{Cuboid, Frustum, Object, Patch, Plane, Polygon, Sphere, Triangle};
+use whitted::{
+    Cuboid, Ends, Frustum, Object, Patch, Plane, Polygon, Quadric, Sphere, Torus, Triangle,
+};
 
 use super::Layout;
 use super::source::{VECTOR, WORD, number, vector, vectors};
@@ -27,6 +29,8 @@ pub trait Kind {
     /// (`tests/charts/firmware-hierarchy.svg`). Triangles were measured, and the rest costs about as
     /// much or more. A hierarchy's code takes flash too, which two objects are not worth.
     const SLICE: usize = 2;
+    /// What else its source names.
+    const IMPORTS: &'static [&'static str] = &[];
 
     /// What takes the fewest instructions for so many.
     fn fastest(count: usize) -> Layout {
@@ -242,5 +246,65 @@ impl Kind for Frustum {
 
     fn hierarchy(objects: &[Object<'_, Self, Material>]) -> Option<Baked> {
         hierarchy(objects, 100.0)
+    }
+}
+
+impl Kind for Quadric {
+    const TYPE: &'static str = "Quadric";
+    const NAME: &'static str = "QUADRIC";
+    const ALL: &'static str = "Quadrics";
+    const BYTES: usize = size_of::<Self>();
+    const IMPORTS: &'static [&'static str] = &["Clip", "Ends"];
+
+    fn source(&self) -> String {
+        let Self {
+            center,
+            squares,
+            products,
+            linear,
+            constant,
+            clip,
+            ends,
+        } = *self;
+        let [center, squares, products, linear] = [center, squares, products, linear].map(vector);
+        let [min, max, axis] = [clip.min, clip.max, clip.axis].map(vector);
+        let [constant, from, to] = [constant, clip.from, clip.to].map(number);
+        let ends = match ends {
+            Ends::Open => "Open",
+            Ends::Closed => "Closed",
+        };
+        format!(
+            "Quadric {{ center: {center}, squares: {squares}, products: {products}, \
+             linear: {linear}, constant: {constant}, clip: Clip {{ min: {min}, max: {max}, \
+             axis: {axis}, from: {from}, to: {to} }}, ends: Ends::{ends} }}"
+        )
+    }
+
+    fn hierarchy(objects: &[Object<'_, Self, Material>]) -> Option<Baked> {
+        let has_end = |it: &Object<'_, Self, Material>| {
+            it.shape.clip.min.is_finite() && it.shape.clip.max.is_finite()
+        };
+        // Of what has no end there are no bounds.
+        objects
+            .iter()
+            .all(has_end)
+            .then(|| hierarchy(objects, 200.0))?
+    }
+}
+
+impl Kind for Torus {
+    const TYPE: &'static str = "Torus";
+    const NAME: &'static str = "TORUS";
+    const ALL: &'static str = "Tori";
+    const BYTES: usize = size_of::<Self>();
+
+    fn source(&self) -> String {
+        let [center, axis] = [self.center, self.axis].map(vector);
+        let [major, minor] = [self.major, self.minor].map(number);
+        format!("Torus {{ center: {center}, axis: {axis}, major: {major}, minor: {minor} }}")
+    }
+
+    fn hierarchy(objects: &[Object<'_, Self, Material>]) -> Option<Baked> {
+        hierarchy(objects, 300.0)
     }
 }

@@ -11,8 +11,14 @@ pub const VECTOR: usize = size_of::<Vec3>();
 
 /// A number that reads back to the same bits: the shortest.
 pub fn number(x: f32) -> String {
-    debug_assert!(x.is_finite(), "scenes are made of finite numbers");
-    format!("{x:?}")
+    debug_assert!(!x.is_nan(), "scenes are made of numbers");
+    if x.is_finite() {
+        format!("{x:?}")
+    } else if x > 0.0 {
+        "f32::INFINITY".to_owned()
+    } else {
+        "f32::NEG_INFINITY".to_owned()
+    }
 }
 
 pub fn vector(v: Vec3) -> String {

@@ -2,7 +2,7 @@
 
 use glam::{BVec3, DVec3, Vec3};
 use whitted::hierarchy::SLACK;
-use whitted::{Cuboid, Frustum, Patch, Polygon, Sphere, Triangle};
+use whitted::{Cuboid, Frustum, Patch, Polygon, Quadric, Sphere, Torus, Triangle};
 
 /// A box round all points at which rays can be met by a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,6 +120,38 @@ impl Bounded for Cuboid {
             )
         };
         (0..8).map(corner).collect()
+    }
+}
+
+impl Bounded for Torus {
+    fn bounds(&self) -> Bounds {
+        let (major, minor) = (f64::from(self.major), f64::from(self.minor));
+        let (center, axis) = (self.center.to_array(), self.axis.to_array());
+        let reach = axis.map(|x| {
+            let across = (1.0 - f64::from(x) * f64::from(x)).max(0.0).sqrt();
+            across * major + minor
+        });
+        let corner = |side: f64| [0, 1, 2].map(|i| f64::from(center[i]) + side * reach[i]);
+        Bounds::around(corner(-1.0), corner(1.0), SLACK)
+    }
+
+    fn balls(&self) -> Vec<(DVec3, f64)> {
+        let reach = f64::from(self.major) + f64::from(self.minor);
+        vec![(self.center.as_dvec3(), reach)]
+    }
+}
+
+/// What its clip lets through, wherever the quadric is: a hit is compared with that.
+impl Bounded for Quadric {
+    fn bounds(&self) -> Bounds {
+        let center = self.center.as_dvec3();
+        let (min, max) = (self.clip.min.as_dvec3(), self.clip.max.as_dvec3());
+        Bounds::around((center + min).to_array(), (center + max).to_array(), SLACK)
+    }
+
+    fn balls(&self) -> Vec<(DVec3, f64)> {
+        let Bounds { min, max, .. } = self.bounds();
+        Cuboid { min, max }.balls()
     }
 }
 

@@ -55,6 +55,13 @@ fn copies(objects: &[Object]) -> Vec<[usize; 2]> {
                 apex,
                 apex_radius,
             } => (2, [&base[..], &apex, &[base_radius, apex_radius]].concat()),
+            Shape::Torus {
+                center,
+                axis,
+                major,
+                minor,
+            } => (5, [&center[..], &axis, &[major, minor]].concat()),
+            Shape::Quadric { ref form, closed } => (3 + i32::from(closed), form.numbers()),
             _ => continue,
         };
         // So that -0 is 0.

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 use whitted::{
-    CameraError, CuboidError, FrustumError, PatchError, PlaneError, PolygonError, SphereError,
+    CameraError, CuboidError, FrustumError, PatchError, PlaneError, PolygonError, QuadricError,
+    SphereError, TorusError,
 };
 
 use super::limits::Range;
@@ -185,6 +186,12 @@ pub enum Problem {
     /// A frustum that is none.
     #[error("frustum: {0}")]
     Frustum(#[from] FrustumError),
+    /// A quadric that is none.
+    #[error("quadric: {0}")]
+    Quadric(#[from] QuadricError),
+    /// A torus that is none.
+    #[error("torus: {0}")]
+    Torus(#[from] TorusError),
 }
 
 /// A word of the file for a message: short, and without control characters.

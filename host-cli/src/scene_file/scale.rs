@@ -117,7 +117,7 @@ fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent + 1023) as u64) << 52)
 }
 
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
     (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()
 }
@@ -258,6 +258,21 @@ impl Shape {
                 apex: point(apex),
                 apex_radius: length(apex_radius),
             },
+            Self::Quadric { ref form, closed } => Self::Quadric {
+                form: form.map(length, vector),
+                closed,
+            },
+            Self::Torus {
+                center,
+                axis,
+                major,
+                minor,
+            } => Self::Torus {
+                center: point(center),
+                axis: vector(axis),
+                major: length(major),
+                minor: length(minor),
+            },
         }
     }
 
@@ -277,6 +292,8 @@ impl Shape {
             } => [distance(base, apex), base_radius, apex_radius]
                 .into_iter()
                 .for_each(visit),
+            Self::Quadric { ref form, .. } => form.sizes(visit),
+            Self::Torus { major, minor, .. } => [major, minor].into_iter().for_each(visit),
         }
     }
 }

@@ -10,8 +10,8 @@ use serde::{Deserialize, Deserializer};
 
 use super::limits::{self, Range};
 use super::{
-    Camera, DEFAULT_DEPTH, Lens, Light, Located, Material, Object, Place, Problem, SceneError,
-    SceneFile, Shape, at,
+    Camera, DEFAULT_DEPTH, General, Lens, Light, Located, Material, Object, Place, Problem,
+    Quadric, SceneError, SceneFile, Shape, at,
 };
 use crate::scene_file::error::excerpt;
 
@@ -149,6 +149,16 @@ struct Document {
     cylinder: Vec<Spanned<CylinderFields>>,
     #[serde(default)]
     cone: Vec<Spanned<ConeFields>>,
+    #[serde(default)]
+    ellipsoid: Vec<Spanned<EllipsoidFields>>,
+    #[serde(default)]
+    paraboloid: Vec<Spanned<ParaboloidFields>>,
+    #[serde(default)]
+    hyperboloid: Vec<Spanned<HyperboloidFields>>,
+    #[serde(default)]
+    quadric: Vec<Spanned<QuadricFields>>,
+    #[serde(default)]
+    torus: Vec<Spanned<TorusFields>>,
 }
 
 fn yes() -> bool {
@@ -352,6 +362,8 @@ struct FrustumFields {
     base_radius: Real,
     apex: Point,
     apex_radius: Real,
+    #[serde(default)]
+    closed: bool,
 }
 
 impl ShapeFields for FrustumFields {
@@ -360,13 +372,47 @@ impl ShapeFields for FrustumFields {
     }
 
     fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
-        Ok(Shape::Frustum {
-            base: check.point("a coordinate of the base", &self.base)?,
-            base_radius: check.length("the base radius", &self.base_radius)?,
-            apex: check.point("a coordinate of the apex", &self.apex)?,
-            apex_radius: check.length("the apex radius", &self.apex_radius)?,
-        })
+        Ok(frustum(
+            check.point("a coordinate of the base", &self.base)?,
+            check.length("the base radius", &self.base_radius)?,
+            check.point("a coordinate of the apex", &self.apex)?,
+            check.length("the apex radius", &self.apex_radius)?,
+            self.closed,
+        ))
     }
+}
+
+/// The side of a cone or cylinder, or all of it.
+fn frustum(
+    base: [f64; 3],
+    base_radius: f64,
+    apex: [f64; 3],
+    apex_radius: f64,
+    closed: bool,
+) -> Shape {
+    if !closed {
+        return Shape::Frustum {
+            base,
+            base_radius,
+            apex,
+            apex_radius,
+        };
+    }
+    let form = if base_radius == apex_radius {
+        Quadric::Cylinder {
+            base,
+            apex,
+            radius: base_radius,
+        }
+    } else {
+        Quadric::Cone {
+            base,
+            base_radius,
+            apex,
+            apex_radius,
+        }
+    };
+    Shape::Quadric { form, closed }
 }
 
 /// A frustum of equal radii.
@@ -377,6 +423,8 @@ struct CylinderFields {
     base: Point,
     apex: Point,
     radius: Real,
+    #[serde(default)]
+    closed: bool,
 }
 
 impl ShapeFields for CylinderFields {
@@ -385,12 +433,10 @@ impl ShapeFields for CylinderFields {
     }
 
     fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
-        Ok(Shape::Frustum {
-            base: check.point("a coordinate of the base", &self.base)?,
-            base_radius: check.length("the radius", &self.radius)?,
-            apex: check.point("a coordinate of the apex", &self.apex)?,
-            apex_radius: check.length("the radius", &self.radius)?,
-        })
+        let base = check.point("a coordinate of the base", &self.base)?;
+        let apex = check.point("a coordinate of the apex", &self.apex)?;
+        let radius = check.length("the radius", &self.radius)?;
+        Ok(frustum(base, radius, apex, radius, self.closed))
     }
 }
 
@@ -402,6 +448,8 @@ struct ConeFields {
     base: Point,
     base_radius: Real,
     apex: Point,
+    #[serde(default)]
+    closed: bool,
 }
 
 impl ShapeFields for ConeFields {
@@ -410,11 +458,194 @@ impl ShapeFields for ConeFields {
     }
 
     fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
-        Ok(Shape::Frustum {
-            base: check.point("a coordinate of the base", &self.base)?,
-            base_radius: check.length("the base radius", &self.base_radius)?,
-            apex: check.point("a coordinate of the apex", &self.apex)?,
-            apex_radius: 0.0,
+        let base = check.point("a coordinate of the base", &self.base)?;
+        let base_radius = check.length("the base radius", &self.base_radius)?;
+        let apex = check.point("a coordinate of the apex", &self.apex)?;
+        Ok(frustum(base, base_radius, apex, 0.0, self.closed))
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EllipsoidFields {
+    material: Spanned<String>,
+    center: Point,
+    radii: Point,
+}
+
+impl ShapeFields for EllipsoidFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        let form = Quadric::Ellipsoid {
+            center: check.point("a coordinate of the centre", &self.center)?,
+            radii: check.point("a radius", &self.radii)?,
+        };
+        Ok(Shape::Quadric {
+            form,
+            closed: false,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ParaboloidFields {
+    material: Spanned<String>,
+    tip: Point,
+    end: Point,
+    radius: Real,
+    #[serde(default)]
+    closed: bool,
+}
+
+impl ShapeFields for ParaboloidFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        let form = Quadric::Paraboloid {
+            tip: check.point("a coordinate of the tip", &self.tip)?,
+            end: check.point("a coordinate of the end", &self.end)?,
+            radius: check.length("the radius", &self.radius)?,
+        };
+        Ok(Shape::Quadric {
+            form,
+            closed: self.closed,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HyperboloidFields {
+    material: Spanned<String>,
+    base: Point,
+    apex: Point,
+    radius: Real,
+    waist: Option<Real>,
+    gap: Option<Real>,
+    #[serde(default)]
+    closed: bool,
+}
+
+impl ShapeFields for HyperboloidFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        let base = check.point("a coordinate of the base", &self.base)?;
+        let apex = check.point("a coordinate of the apex", &self.apex)?;
+        let radius = check.length("the radius", &self.radius)?;
+        let form = match (&self.waist, &self.gap) {
+            (Some(waist), None) => Quadric::Hyperboloid {
+                base,
+                apex,
+                radius,
+                waist: check.length("the waist", waist)?,
+            },
+            (None, Some(gap)) => Quadric::TwoSheets {
+                base,
+                apex,
+                radius,
+                gap: check.length("the gap", gap)?,
+            },
+            _ => {
+                let problem =
+                    "a hyperboloid has either a `waist`, for one sheet, or a `gap`, for two";
+                let place = check.places.start(&self.base);
+                return Err((place, Problem::Contradiction(problem)));
+            }
+        };
+        Ok(Shape::Quadric {
+            form,
+            closed: self.closed,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct QuadricFields {
+    material: Spanned<String>,
+    center: Point,
+    squares: Option<Point>,
+    products: Option<Point>,
+    linear: Option<Point>,
+    constant: Option<Real>,
+    min: Option<Point>,
+    max: Option<Point>,
+    axis: Option<Point>,
+    from: Option<Real>,
+    to: Option<Real>,
+    #[serde(default)]
+    closed: bool,
+}
+
+impl ShapeFields for QuadricFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        let point_or = |what, point: &Option<Point>, default: f64| {
+            let point = point.as_ref();
+            point.map_or(Ok([default; 3]), |it| check.point(what, it))
+        };
+        let length_or = |what, number: &Option<Real>, default: f64| {
+            let number = number.as_ref();
+            number.map_or(Ok(default), |it| check.length(what, it))
+        };
+        if let (None, Some(plane)) = (&self.axis, self.from.as_ref().or(self.to.as_ref())) {
+            let problem = "planes at `from` and `to` need an `axis`";
+            let place = check.places.start(plane);
+            return Err((place, Problem::Contradiction(problem)));
+        }
+        let infinity = f64::INFINITY;
+        let form = Quadric::General(Box::new(General {
+            center: check.point("a coordinate of the centre", &self.center)?,
+            squares: point_or("a coefficient of the squares", &self.squares, 0.0)?,
+            products: point_or("a coefficient of the products", &self.products, 0.0)?,
+            linear: point_or("a linear coefficient", &self.linear, 0.0)?,
+            constant: length_or("the constant", &self.constant, 0.0)?,
+            min: point_or("a coordinate of min", &self.min, -infinity)?,
+            max: point_or("a coordinate of max", &self.max, infinity)?,
+            axis: point_or("a component of the axis", &self.axis, 0.0)?,
+            from: length_or("the distance of the first plane", &self.from, -infinity)?,
+            to: length_or("the distance of the second plane", &self.to, infinity)?,
+        }));
+        Ok(Shape::Quadric {
+            form,
+            closed: self.closed,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TorusFields {
+    material: Spanned<String>,
+    center: Point,
+    axis: Point,
+    major: Real,
+    minor: Real,
+}
+
+impl ShapeFields for TorusFields {
+    fn material(&self) -> &Spanned<String> {
+        &self.material
+    }
+
+    fn shape(&self, check: &Checker<'_>) -> Result<Shape, Located> {
+        Ok(Shape::Torus {
+            center: check.point("a coordinate of the centre", &self.center)?,
+            axis: check.point("a component of the axis", &self.axis)?,
+            major: check.length("the major radius", &self.major)?,
+            minor: check.length("the minor radius", &self.minor)?,
         })
     }
 }
@@ -607,6 +838,11 @@ impl Document {
         check.gather(&self.frustum, &mut found)?;
         check.gather(&self.cylinder, &mut found)?;
         check.gather(&self.cone, &mut found)?;
+        check.gather(&self.ellipsoid, &mut found)?;
+        check.gather(&self.paraboloid, &mut found)?;
+        check.gather(&self.hyperboloid, &mut found)?;
+        check.gather(&self.quadric, &mut found)?;
+        check.gather(&self.torus, &mut found)?;
         found.sort_by_key(|it| it.start);
         if found.len() > limits::OBJECTS {
             let place = check.places.of(found[limits::OBJECTS].start);
@@ -788,7 +1024,8 @@ mod tests {
                 "colour = 1",
                 "1:1: unknown field `colour`, expected one of `size`, `depth`, `shadows`, \
                  `background`, `ambient`, `camera`, `light`, `material`, `sphere`, `plane`, \
-                 `polygon`, `triangle`, `patch`, `box`, `frustum`, `cylinder`, `cone`",
+                 `polygon`, `triangle`, `patch`, `box`, `frustum`, `cylinder`, `cone`, `ellipsoid`, \
+                 `paraboloid`, `hyperboloid`, `quadric`, `torus`",
             ),
             ("depth = 2\ndepth = 3", "2:1: duplicate key"),
             ("background = [1, 2", "1:19: unclosed array, expected `]`"),
@@ -871,6 +1108,39 @@ mod tests {
             (
                 &shape("triangle", "vertices = [[0, 0, 0], [1, 0, 0]]"),
                 "3:12: invalid length 2, expected an array of length 3",
+            ),
+            (
+                &shape(
+                    "hyperboloid",
+                    "base = [0, 0, 0]\napex = [0, 1, 0]\nradius = 1\nwaist = 0.5\ngap = 0.5",
+                ),
+                "3:8: a hyperboloid has either a `waist`, for one sheet, or a `gap`, for two",
+            ),
+            (
+                &shape(
+                    "hyperboloid",
+                    "base = [0, 0, 0]\napex = [0, 1, 0]\nradius = 1",
+                ),
+                "3:8: a hyperboloid has either a `waist`, for one sheet, or a `gap`, for two",
+            ),
+            (
+                &shape("quadric", "center = [0, 0, 0]\nsquares = [1, 1, 1]\nto = 1"),
+                "5:6: planes at `from` and `to` need an `axis`",
+            ),
+            (
+                &shape("quadric", "center = [0, 0, 0]\nmax = [inf, 0, 0]"),
+                "4:7: a coordinate of max is inf: not a finite 32-bit float",
+            ),
+            (
+                &shape(
+                    "torus",
+                    "center = [0, 0, 0]\naxis = [0, 1, 0]\nmajor = 1\nminor = nan",
+                ),
+                "6:9: the minor radius is NaN: not a finite 32-bit float",
+            ),
+            (
+                &shape("ellipsoid", "center = [0, 0, 0]\nradius = 1"),
+                "4:1: unknown field `radius`, expected one of `material`, `center`, `radii`",
             ),
             (
                 "[sphere]\nradius = 1",

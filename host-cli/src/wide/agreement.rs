@@ -2,8 +2,8 @@
 
 use fearless_simd::Level;
 use whitted::{
-    Cuboid, Departure, Exact, Frustum, Geometry, Glass, Hit, Math, Mirror, Object, Patch,
-    PhongReal, Plane, Polygon, Ray, Side, Sphere, Triangle, Vec3,
+    Cuboid, Departure, Ends, Exact, Frustum, Geometry, Glass, Hit, Math, Mirror, Object, Patch,
+    PhongReal, Plane, Polygon, Quadric, Ray, Side, Sphere, Torus, Triangle, Vec3,
 };
 
 use super::{Kinds, Wide, levels, lockstep};
@@ -156,6 +156,8 @@ struct Owned {
     patches: Vec<Object<'static, Patch, Material>>,
     cuboids: Vec<Object<'static, Cuboid, Material>>,
     frusta: Vec<Object<'static, Frustum, Material>>,
+    quadrics: Vec<Object<'static, Quadric, Material>>,
+    tori: Vec<Object<'static, Torus, Material>>,
 }
 
 /// Some of a list twice, so that there are ties between objects far apart in it.
@@ -178,6 +180,8 @@ impl Owned {
             patches: Vec::new(),
             cuboids: Vec::new(),
             frusta: Vec::new(),
+            quadrics: Vec::new(),
+            tori: Vec::new(),
         };
         for _ in 0..style.each {
             scene.add(random);
@@ -190,6 +194,8 @@ impl Owned {
             twins(random, &mut scene.patches);
             twins(random, &mut scene.cuboids);
             twins(random, &mut scene.frusta);
+            twins(random, &mut scene.quadrics);
+            twins(random, &mut scene.tori);
         }
         scene
     }
@@ -273,6 +279,19 @@ impl Owned {
         if let Ok(shape) = Frustum::new(center, radius, other, tip) {
             self.frusta.push(Object { shape, material });
         }
+        let ends = random.pick(&[Ends::Open, Ends::Closed]);
+        // Few: each is looked at for every ray.
+        if self.quadrics.len() < 8
+            && let Ok(shape) = Quadric::cone(center, radius.abs(), other, tip.abs(), ends)
+        {
+            self.quadrics.push(Object { shape, material });
+        }
+        let (major, minor) = (radius.abs(), radius.abs() * 0.3);
+        if self.tori.len() < 8
+            && let Ok(shape) = Torus::new(center, other - center, major, minor)
+        {
+            self.tori.push(Object { shape, material });
+        }
     }
 
     /// What no constructor accepts, or what is beyond all proportion.
@@ -354,7 +373,10 @@ impl Owned {
                     &self.polygons,
                     (
                         &self.triangles,
-                        (&self.patches, (&self.cuboids, &self.frusta)),
+                        (
+                            &self.patches,
+                            (&self.cuboids, (&self.frusta, (&self.quadrics, &self.tori))),
+                        ),
                     ),
                 ),
             ),

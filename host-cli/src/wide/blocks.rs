@@ -278,14 +278,16 @@ fn corners<M, const CORNERS: usize>(
     (corners, normal)
 }
 
-/// All objects that a tree can hold, and the places of those that it cannot: planes, and objects with
-/// a number so large or so odd that nothing is known about where their kernels report hits.
+/// All objects that a tree can hold, and the places of those that it cannot: planes, quadrics, tori, and
+/// objects with a number so large or so odd that nothing is known about where their kernels report hits.
 pub fn items<M>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
     let mut items = Vec::with_capacity(parts.len());
     let mut loose: Vec<_> = parts
         .planes
         .places()
         .map(|(place, _)| place as u32)
+        .chain(parts.quadrics.places().map(|(place, _)| place as u32))
+        .chain(parts.tori.places().map(|(place, _)| place as u32))
         .collect();
     let mut add = |place: usize, kind, bounds| match bounds {
         Some(bounds) => items.push(Item {

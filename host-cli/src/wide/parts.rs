@@ -3,8 +3,8 @@
 use whitted::material::Transmission;
 use whitted::math::Transmittance;
 use whitted::{
-    Cuboid, Finish, Frustum, Geometry, Math, Object, Patch, Plane, Polygon, Ray, Shape, Sphere,
-    Triangle, Vec3,
+    Cuboid, Finish, Frustum, Geometry, Math, Object, Patch, Plane, Polygon, Quadric, Ray, Shape,
+    Sphere, Torus, Triangle, Vec3,
 };
 
 use super::blocks::Kind;
@@ -24,7 +24,13 @@ pub type Kinds<'a, M> = (
                 Slice<'a, Triangle, M>,
                 (
                     Slice<'a, Patch, M>,
-                    (Slice<'a, Cuboid, M>, Slice<'a, Frustum, M>),
+                    (
+                        Slice<'a, Cuboid, M>,
+                        (
+                            Slice<'a, Frustum, M>,
+                            (Slice<'a, Quadric, M>, Slice<'a, Torus, M>),
+                        ),
+                    ),
                 ),
             ),
         ),
@@ -42,6 +48,8 @@ pub struct Parts<'a, M> {
     pub patches: Part<'a, Patch, M>,
     pub cuboids: Part<'a, Cuboid, M>,
     pub frusta: Part<'a, Frustum, M>,
+    pub quadrics: Part<'a, Quadric, M>,
+    pub tori: Part<'a, Torus, M>,
 }
 
 /// Objects of one kind, and the place of the first.
@@ -105,12 +113,15 @@ macro_rules! with_object {
         in_part!(cuboids);
         in_part!(frusta);
         in_part!(planes);
+        in_part!(quadrics);
+        in_part!(tori);
     }};
 }
 
 impl<'a, M> Parts<'a, M> {
     pub fn new(kinds: Kinds<'a, M>) -> Self {
-        let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, frusta)))))) = kinds;
+        let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, curved)))))) = kinds;
+        let (frusta, (quadrics, tori)) = curved;
         let spheres = Part {
             objects: spheres,
             first: 0,
@@ -121,6 +132,8 @@ impl<'a, M> Parts<'a, M> {
         let patches = triangles.then(patches);
         let cuboids = patches.then(cuboids);
         let frusta = cuboids.then(frusta);
+        let quadrics = frusta.then(quadrics);
+        let tori = quadrics.then(tori);
         Self {
             kinds,
             spheres,
@@ -130,11 +143,13 @@ impl<'a, M> Parts<'a, M> {
             patches,
             cuboids,
             frusta,
+            quadrics,
+            tori,
         }
     }
 
     pub fn len(&self) -> usize {
-        self.frusta.first + self.frusta.objects.len()
+        self.tori.first + self.tori.objects.len()
     }
 
     /// How much faster than along its axis the radius of any frustum grows, up to a limit.

@@ -722,9 +722,10 @@ pub struct Intersector<'a> {
 impl<'a> Intersector<'a> {
     /// Builds Embree's hierarchy.
     pub fn new(kinds: Kinds<'a, Material>) -> Result<Self, String> {
-        let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, frusta)))))) = kinds;
-        if !planes.is_empty() {
-            return Err("planes have no bounds".into());
+        let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, curved)))))) = kinds;
+        let (frusta, (quadrics, tori)) = curved;
+        if !(planes.is_empty() && quadrics.is_empty() && tori.is_empty()) {
+            return Err("planes, quadrics and tori are not for its hierarchy".into());
         }
         let mut solids: Vec<(Solid, u32)> = Vec::new();
         let (mut corners, mut faces) = (Vec::new(), Vec::new());

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use whitted_cli::scene_file::{Lens, Material, SceneFile, Shape};
+use whitted_cli::scene_file::{Lens, Material, Quadric, SceneFile, Shape};
 
 fn vector(v: [f64; 3]) -> String {
     format!("<{:e},{:e},{:e}>", v[0], v[1], v[2])
@@ -52,6 +52,142 @@ fn texture(it: &Material) -> String {
     text
 }
 
+/// A quadric, in POV-Ray's own words where it has some.
+fn quadric(form: &Quadric, closed: bool, texture: &str) -> String {
+    let open = if closed { "" } else { "open" };
+    match *form {
+        Quadric::Ellipsoid { center, radii } => format!(
+            "sphere {{ 0, 1 scale {} translate {} {texture} }}",
+            vector(radii),
+            vector(center)
+        ),
+        Quadric::Cylinder { base, apex, radius } => {
+            let (base, apex) = (vector(base), vector(apex));
+            format!("cylinder {{ {base}, {apex}, {radius:e} {open} {texture} }}")
+        }
+        Quadric::Cone {
+            base,
+            base_radius,
+            apex,
+            apex_radius,
+        } => format!(
+            "cone {{ {}, {base_radius:e}, {}, {apex_radius:e} {open} {texture} }}",
+            vector(base),
+            vector(apex)
+        ),
+        Quadric::Paraboloid { tip, end, radius } => {
+            let way = minus(end, tip);
+            let length = norm(way);
+            let squared = [0.0, radius * radius / length, 0.0];
+            revolution(tip, unit(way), squared, [0.0, length], closed, texture)
+        }
+        Quadric::Hyperboloid {
+            base,
+            apex,
+            radius,
+            waist,
+        } => {
+            let (center, axis, half) = middle(base, apex);
+            let growth = (radius * radius - waist * waist) / (half * half);
+            let squared = [waist * waist, 0.0, growth];
+            revolution(center, axis, squared, [-half, half], closed, texture)
+        }
+        Quadric::TwoSheets {
+            base,
+            apex,
+            radius,
+            gap,
+        } => {
+            let (center, axis, half) = middle(base, apex);
+            let growth = radius * radius / (half * half - 0.25 * gap * gap);
+            let squared = [-0.25 * growth * gap * gap, 0.0, growth];
+            revolution(center, axis, squared, [-half, half], closed, texture)
+        }
+        Quadric::General(ref it) => {
+            let mut planes = Vec::new();
+            for axis in 0..3 {
+                let mut normal = [0.0; 3];
+                normal[axis] = 1.0;
+                planes.push((normal, it.max[axis]));
+                planes.push((times(normal, -1.0), -it.min[axis]));
+            }
+            if it.axis != [0.0; 3] {
+                let axis = unit(it.axis);
+                planes.push((axis, it.to));
+                planes.push((times(axis, -1.0), -it.from));
+            }
+            planes.retain(|plane| plane.1.is_finite());
+            let [yz, zx, xy] = it.products;
+            let coefficients = [it.squares, [xy, zx, yz], it.linear];
+            clipped(
+                it.center,
+                coefficients,
+                it.constant,
+                &planes,
+                closed,
+                texture,
+            )
+        }
+    }
+}
+
+fn norm(v: [f64; 3]) -> f64 {
+    v.map(|it| it * it).iter().sum::<f64>().sqrt()
+}
+
+/// The middle between two points, the way from one to the other, and half of its length.
+fn middle(base: [f64; 3], apex: [f64; 3]) -> ([f64; 3], [f64; 3], f64) {
+    let way = minus(apex, base);
+    let center = [0, 1, 2].map(|i| 0.5 * (base[i] + apex[i]));
+    (center, unit(way), 0.5 * norm(way))
+}
+
+/// The surface whose squared radius is this polynomial of the distance along an axis.
+fn revolution(
+    center: [f64; 3],
+    n: [f64; 3],
+    [constant, linear, growth]: [f64; 3],
+    [from, to]: [f64; 2],
+    closed: bool,
+    texture: &str,
+) -> String {
+    let factor = 1.0 + growth;
+    let coefficients = [
+        n.map(|x| 1.0 - factor * x * x),
+        [n[0] * n[1], n[0] * n[2], n[1] * n[2]].map(|x| -2.0 * factor * x),
+        times(n, -linear),
+    ];
+    let planes = [(n, to), (times(n, -1.0), -from)];
+    clipped(center, coefficients, -constant, &planes, closed, texture)
+}
+
+/// A quadric behind some planes.
+fn clipped(
+    center: [f64; 3],
+    coefficients: [[f64; 3]; 3],
+    constant: f64,
+    planes: &[([f64; 3], f64)],
+    closed: bool,
+    texture: &str,
+) -> String {
+    let coefficients = coefficients.map(vector).join(", ");
+    let planes: String = planes
+        .iter()
+        .map(|(normal, distance)| format!("plane {{ {}, {distance:e} }} ", vector(*normal)))
+        .collect();
+    let quadric = format!("quadric {{ {coefficients}, {constant:e}");
+    let center = vector(center);
+    match (closed, planes.is_empty()) {
+        (true, false) => {
+            format!("intersection {{ {quadric} }} {planes} translate {center} {texture} }}")
+        }
+        (_, true) => format!("{quadric} translate {center} {texture} }}"),
+        (false, false) => format!(
+            "{quadric} clipped_by {{ intersection {{ {planes} }} }} translate {center} {texture} }}"
+        ),
+    }
+}
+
 /// A scene without planes of its own; negative radii are drawn from both sides.
 pub fn write(file: &SceneFile) -> Option<String> {
     let camera = file.camera.as_ref()?;
@@ -89,7 +225,11 @@ pub fn write(file: &SceneFile) -> Option<String> {
         let material = &file.materials[object.material];
         let flat = !matches!(
             object.shape,
-            Shape::Sphere { .. } | Shape::Box { .. } | Shape::Frustum { .. }
+            Shape::Sphere { .. }
+                | Shape::Box { .. }
+                | Shape::Frustum { .. }
+                | Shape::Quadric { .. }
+                | Shape::Torus { .. }
         );
         let in_union = (flat && material.transmittance > 0.0).then_some(object.material);
         if in_union != open {
@@ -166,6 +306,29 @@ pub fn write(file: &SceneFile) -> Option<String> {
                 vector(*apex),
                 apex_radius.abs()
             ),
+            Shape::Quadric { form, closed } => {
+                writeln!(text, "{}", quadric(form, *closed, &texture))
+            }
+            &Shape::Torus {
+                center,
+                axis,
+                major,
+                minor,
+            } => {
+                // POV-Ray's lies round the second axis of the world.
+                let axis = unit(axis);
+                let least = (0..3).min_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs()));
+                let mut other = [0.0; 3];
+                other[least.unwrap_or(0)] = 1.0;
+                let u = unit(cross(axis, other));
+                let rows = [u, axis, cross(u, axis), center].concat();
+                let rows: Vec<_> = rows.iter().map(|x| format!("{x:e}")).collect();
+                writeln!(
+                    text,
+                    "torus {{ {major:e}, {minor:e} sturm matrix <{}> {texture} }}",
+                    rows.join(",")
+                )
+            }
             Shape::Plane { .. } => return None,
         };
     }

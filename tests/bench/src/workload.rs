@@ -101,8 +101,13 @@ impl Shapes {
 
     /// The objects as a geometry of every kind.
     pub fn kinds(&self) -> Kinds<'_, Material> {
-        let mut kinds: Kinds<'_, Material> =
-            (&[], (&[], (&[], (&[], (&[], (&[] as &[_], &[] as &[_]))))));
+        let mut kinds: Kinds<'_, Material> = (
+            &[],
+            (
+                &[],
+                (&[], (&[], (&[], (&[], (&[], (&[] as &[_], &[] as &[_])))))),
+            ),
+        );
         match self {
             Self::Spheres(list) => kinds.0 = list,
             Self::Triangles(list) => kinds.1.1.1.0 = list,

@@ -8,8 +8,9 @@ use embedded_graphics::prelude::{Point, Size};
 use embedded_graphics::primitives::Rectangle;
 use glam::Vec3;
 use whitted::{
-    Counters, Cuboid, FillLight, Frustum, Geometry, Glass, Light, Material, Mirror, Object,
-    Objects, Patch, Phong, PhongReal, Plane, Polygon, Scene, Sphere, Triangle, View, picture,
+    Clip, Counters, Cuboid, Ends, FillLight, Frustum, Geometry, Glass, Light, Material, Mirror,
+    Object, Objects, Patch, Phong, PhongReal, Plane, Polygon, Quadric, Scene, Sphere, Torus,
+    Triangle, View, picture,
 };
 
 use super::{Frame, Visitor, level_view};
@@ -57,6 +58,28 @@ const BUCKET: Frustum = Frustum {
     length: 0.5,
     base_radius: 0.125,
     slope: 0.25,
+};
+/// A solid drum: x² + z² = 1/4 from the floor up.
+const DRUM: Quadric = Quadric {
+    center: Vec3::new(-0.5, 0.375, -0.75),
+    squares: Vec3::new(1.0, 0.0, 1.0),
+    products: Vec3::ZERO,
+    linear: Vec3::ZERO,
+    constant: -0.25,
+    clip: Clip {
+        min: Vec3::new(-0.53125, -0.375, -0.53125),
+        max: Vec3::new(0.53125, 0.375, 0.53125),
+        axis: Vec3::ZERO,
+        from: f32::NEG_INFINITY,
+        to: f32::INFINITY,
+    },
+    ends: Ends::Closed,
+};
+const RING: Torus = Torus {
+    center: Vec3::new(-0.5, 0.25, -0.75),
+    axis: Vec3::new(0.0, 0.8, 0.6),
+    major: 0.5,
+    minor: 0.1875,
 };
 const FLAG: Triangle = Triangle {
     vertices: [
@@ -160,6 +183,8 @@ macro_rules! rung {
             pub static SIGNS: [Object<Polygon, M>; 1] = [Object { shape: SIGN, material: &WOOD }];
             pub static CRATES: [Object<Cuboid, M>; 1] = [Object { shape: CRATE, material: &WOOD }];
             pub static BUCKETS: [Object<Frustum, M>; 1] = [Object { shape: BUCKET, material: &RED }];
+            pub static DRUMS: [Object<Quadric, M>; 1] = [Object { shape: DRUM, material: &RED }];
+            pub static RINGS: [Object<Torus, M>; 1] = [Object { shape: RING, material: &RED }];
             pub static FLAGS: [Object<Triangle, M>; 1] = [Object { shape: FLAG, material: &RED }];
             pub static SAILS: [Object<Patch, M>; 1] = [Object { shape: SAIL, material: &STONE }];
 
@@ -305,6 +330,17 @@ rung!(
     (Objects<Sphere, M>, Objects<Plane, M>) = (&BALLS, &FLOORS)
 );
 
+rung!(
+    /// Spheres, a plane, shadows, highlights and a quadric: no rung, but one beside that of the polygon.
+    quadric::WithQuadric, Material<Phong, (), ()> = GLOSSY, Light, depth 1,
+    ((Objects<Sphere, M>, Objects<Plane, M>), Objects<Quadric, M>) = ((&BALLS, &FLOORS), &DRUMS)
+);
+rung!(
+    /// The same with a torus.
+    torus::WithTorus, Material<Phong, (), ()> = GLOSSY, Light, depth 1,
+    ((Objects<Sphere, M>, Objects<Plane, M>), Objects<Torus, M>) = ((&BALLS, &FLOORS), &RINGS)
+);
+
 /// A frame made from the rays alone.
 macro_rules! ray_frame {
     ($(#[$doc:meta])* $frame:ident = $color:expr) => {
@@ -365,4 +401,6 @@ pub(super) fn visit_all(visitor: &mut impl Visitor) {
     visitor.visit::<Everything>("everything");
     visitor.visit::<MatteShadows>("matte-shadows");
     visitor.visit::<SpheresAndPlane>("spheres-and-plane");
+    visitor.visit::<WithQuadric>("quadric");
+    visitor.visit::<WithTorus>("torus");
 }

@@ -85,6 +85,8 @@ pub fn visit_all(visitor: &mut impl Visitor) {
 pub fn visit_varied(visitor: &mut impl Visitor) {
     visitor.visit::<ladder::Matte>("matte");
     visitor.visit::<ladder::Everything>("everything");
+    visitor.visit::<ladder::WithQuadric>("quadric");
+    visitor.visit::<ladder::WithTorus>("torus");
     layouts::visit_all(visitor);
     outside::visit_all(visitor);
     castle::visit_all(visitor);

@@ -23,6 +23,7 @@ pub mod quadric;
 pub mod roots;
 pub mod secondary;
 pub mod sphere;
+pub mod torus;
 pub mod triangle;
 
 /// A function that answers a stage's question, by name.

@@ -25,6 +25,7 @@ pub mod plane;
 pub mod polygon;
 pub mod quadric;
 pub mod sphere;
+pub mod torus;
 
 use number::{Bounded, Exact};
 

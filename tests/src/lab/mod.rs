@@ -19,6 +19,7 @@ pub mod special;
 pub mod sphere;
 pub mod sweep;
 pub mod tally;
+pub mod torus;
 pub mod watertight;
 
 use std::io::{self, Write};
@@ -97,6 +98,7 @@ pub fn measure(
     stage::<frustum::Frusta>(&mut rows, plan, &wanted, progress);
     stage::<quadric::Quadrics>(&mut rows, plan, &wanted, progress);
     stage::<grid::Grids>(&mut rows, plan, &wanted, progress);
+    stage::<torus::Tori>(&mut rows, plan, &wanted, progress);
     stage::<secondary::Secondary>(&mut rows, plan, &wanted, progress);
     stage::<roots::Sqrt>(&mut rows, plan, &wanted, progress);
     stage::<roots::Rsqrt>(&mut rows, plan, &wanted, progress);

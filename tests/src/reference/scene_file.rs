@@ -1,9 +1,9 @@
 //! Scene files as the oracle sees them: their numbers, all digits of them.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use whitted_cli::scene_file::{self, Lens, SceneFile};
 
-use super::{Camera, Finish, Light, Object, Scene, Shape};
+use super::{Camera, Finish, Light, Object, Quadric, Scene, Shape};
 
 impl Scene {
     /// A scene file, seen by its camera in a picture of this size; nothing if it has no camera.
@@ -122,6 +122,117 @@ impl From<&scene_file::Shape> for Shape {
                 base_radius,
                 apex_radius,
             },
+            File::Torus {
+                center,
+                axis,
+                major,
+                minor,
+            } => Shape::Torus {
+                center: center.into(),
+                axis: DVec3::from(axis).normalize(),
+                major,
+                minor,
+            },
+            File::Quadric { ref form, closed } => Shape::Quadric(quadric(form, closed)),
+        }
+    }
+}
+
+/// A quadric by its polynomial.
+fn quadric(form: &scene_file::Quadric, closed: bool) -> Quadric {
+    use scene_file::Quadric as Form;
+    // Between two circles, the squared radius in powers of the distance from a point of the axis.
+    let between = |ends: [[f64; 3]; 2], radii: [f64; 2], origin: f64, squared: [f64; 3]| {
+        let [base, apex] = ends.map(DVec3::from);
+        let axis = (apex - base).normalize();
+        let length = apex.distance(base);
+        let center = base + axis * (origin * length);
+        let mut quadric = Quadric::of_revolution(center, axis, squared);
+        quadric.planes = vec![(axis, (1.0 - origin) * length), (-axis, origin * length)];
+        quadric.closed = closed;
+        let radius = radii[0].max(radii[1]);
+        quadric.extent = Some((base.min(apex) - radius, base.max(apex) + radius));
+        quadric
+    };
+    let square = |x: f64| x * x;
+    let length = |a: [f64; 3], b: [f64; 3]| DVec3::from(a).distance(b.into());
+    match *form {
+        Form::Ellipsoid { center, radii } => {
+            let (center, radii) = (DVec3::from(center), DVec3::from(radii));
+            Quadric {
+                center,
+                matrix: DMat3::from_diagonal((radii * radii).recip()),
+                linear: DVec3::ZERO,
+                constant: -1.0,
+                planes: Vec::new(),
+                closed: false,
+                extent: Some((center - radii, center + radii)),
+            }
+        }
+        Form::Cylinder { base, apex, radius } => {
+            between([base, apex], [radius; 2], 0.5, [radius * radius, 0.0, 0.0])
+        }
+        Form::Cone {
+            base,
+            base_radius,
+            apex,
+            apex_radius,
+        } => {
+            let slope = (apex_radius - base_radius) / length(base, apex);
+            let squared = [square(base_radius), base_radius * slope, square(slope)];
+            between([base, apex], [base_radius, apex_radius], 0.0, squared)
+        }
+        Form::Paraboloid { tip, end, radius } => {
+            let growth = square(radius) / length(tip, end);
+            between([tip, end], [0.0, radius], 0.0, [0.0, 0.5 * growth, 0.0])
+        }
+        Form::Hyperboloid {
+            base,
+            apex,
+            radius,
+            waist,
+        } => {
+            let half = 0.5 * length(base, apex);
+            let growth = (square(radius) - square(waist)) / square(half);
+            between([base, apex], [radius; 2], 0.5, [square(waist), 0.0, growth])
+        }
+        Form::TwoSheets {
+            base,
+            apex,
+            radius,
+            gap,
+        } => {
+            let (half, tip) = (0.5 * length(base, apex), 0.5 * gap);
+            let growth = square(radius) / (square(half) - square(tip));
+            between(
+                [base, apex],
+                [radius; 2],
+                0.5,
+                [-growth * square(tip), 0.0, growth],
+            )
+        }
+        Form::General(ref it) => {
+            let [x, y, z] = it.squares;
+            let [yz, zx, xy] = it.products.map(|product| 0.5 * product);
+            let center = DVec3::from(it.center);
+            let mut planes = Vec::new();
+            for (axis, normal) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
+                planes.extend([(normal, it.max[axis]), (-normal, -it.min[axis])]);
+            }
+            if let Some(axis) = DVec3::from(it.axis).try_normalize() {
+                planes.extend([(axis, it.to), (-axis, -it.from)]);
+            }
+            planes.retain(|plane| plane.1.is_finite());
+            let (min, max) = (center + DVec3::from(it.min), center + DVec3::from(it.max));
+            Quadric {
+                center,
+                matrix: DMat3::from_cols_array(&[x, xy, zx, xy, y, yz, zx, yz, z]),
+                linear: 0.5 * DVec3::from(it.linear),
+                constant: it.constant,
+                planes,
+                closed,
+                extent: (min.is_finite() && max.is_finite()).then_some((min, max)),
+            }
         }
     }
 }

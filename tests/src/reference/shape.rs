@@ -2,6 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
+use super::quadric::Quadric;
+use super::torus;
+
 /// A surface.
 #[derive(Clone, Debug)]
 pub enum Shape {
@@ -51,9 +54,22 @@ pub enum Shape {
         /// Radius at the apex.
         apex_radius: f64,
     },
+    /// A surface of degree two.
+    Quadric(Quadric),
+    /// All points at `minor` from a circle.
+    Torus {
+        /// Of the circle.
+        center: DVec3,
+        /// Across the circle, unit length.
+        axis: DVec3,
+        /// Of the circle.
+        major: f64,
+        /// Of the tube.
+        minor: f64,
+    },
 }
 
-use Shape::{Cuboid, Frustum, Patch, Plane, Polygon, Sphere};
+use Shape::{Cuboid, Frustum, Patch, Plane, Polygon, Sphere, Torus};
 
 impl Shape {
     /// Where the line `origin + t direction` meets the surface, in any order.
@@ -66,20 +82,32 @@ impl Shape {
         direction: DVec3,
         leaving: bool,
     ) -> impl Iterator<Item = f64> {
-        let mut roots = self.roots(origin, direction);
+        let mut roots = match self {
+            Shape::Quadric(quadric) => quadric.roots(origin, direction),
+            Torus {
+                center,
+                axis,
+                major,
+                minor,
+            } => torus::roots(origin - *center, direction, *axis, *major, *minor),
+            _ => self
+                .roots(origin, direction)
+                .into_iter()
+                .flatten()
+                .collect(),
+        };
         if leaving {
-            let nearest = match roots {
-                [Some(a), Some(b)] => usize::from(b.abs() < a.abs()),
-                _ => 0,
-            };
-            roots[nearest] = None;
+            let distances = roots.iter().map(|root| root.abs()).enumerate();
+            if let Some((nearest, _)) = distances.min_by(|a, b| a.1.total_cmp(&b.1)) {
+                roots.remove(nearest);
+            }
         }
         let visible = move |&t: &f64| {
             self.bounds_contain(origin, direction, t)
                 && (!self.shows_inside_only()
                     || direction.dot(self.normal(origin, direction, t)) < 0.0)
         };
-        roots.into_iter().flatten().filter(visible)
+        roots.into_iter().filter(visible)
     }
 
     /// Roots of the equation of the whole sphere, plane, box or cone, before it is cut to size.
@@ -112,6 +140,7 @@ impl Shape {
                     across.length_squared() - radius * radius,
                 )
             }
+            Shape::Quadric(_) | Torus { .. } => unreachable!("may have more than two"),
         }
     }
 
@@ -119,13 +148,14 @@ impl Shape {
     fn bounds_contain(&self, origin: DVec3, direction: DVec3, t: f64) -> bool {
         let point = origin + t * direction;
         match self {
-            Sphere { .. } | Plane { .. } | Cuboid { .. } => true,
+            Sphere { .. } | Plane { .. } | Cuboid { .. } | Torus { .. } => true,
             Polygon { vertices } => inside_outline(vertices, self.outward(), point),
             Patch { vertices, .. } => inside_outline(vertices, self.outward(), point),
             Frustum { base, .. } => {
                 let (axis, length, _) = self.axis();
                 (0.0..=length).contains(&(point - base).dot(axis))
             }
+            Shape::Quadric(quadric) => quadric.has(point),
         }
     }
 
@@ -168,6 +198,17 @@ impl Shape {
                 let across = (offset - offset.dot(axis) * axis).normalize();
                 turn * (across - slope * axis).normalize()
             }
+            Shape::Quadric(ref quadric) => quadric.normal(point),
+            Torus {
+                center,
+                axis,
+                major,
+                ..
+            } => {
+                let q = point - center;
+                let across = (q - q.dot(axis) * axis).normalize();
+                (q - across * major).normalize()
+            }
         }
     }
 
@@ -190,6 +231,13 @@ impl Shape {
                 base_radius,
                 apex_radius,
             } => around(&[*base, *apex], base_radius.abs().max(apex_radius.abs())),
+            Shape::Quadric(quadric) => quadric.extent,
+            Torus {
+                center,
+                major,
+                minor,
+                ..
+            } => around(&[*center], major + minor),
         }
     }
 
@@ -199,7 +247,9 @@ impl Shape {
             Plane { normal, .. } => normal.normalize(),
             Polygon { vertices } => newell(vertices),
             Patch { vertices, .. } => newell(vertices),
-            Sphere { .. } | Cuboid { .. } | Frustum { .. } => unreachable!("not flat"),
+            Sphere { .. } | Cuboid { .. } | Frustum { .. } | Shape::Quadric(_) | Torus { .. } => {
+                unreachable!("not flat")
+            }
         }
     }
 
@@ -244,7 +294,7 @@ impl Shape {
 
 /// Real roots of a t² + 2 b t + c, without the cancellation of the schoolbook formula: Press et
 /// al., Numerical Recipes, "Quadratic and Cubic Equations".
-fn quadratic(a: f64, b: f64, c: f64) -> [Option<f64>; 2] {
+pub(super) fn quadratic(a: f64, b: f64, c: f64) -> [Option<f64>; 2] {
     let discriminant = b * b - a * c;
     if discriminant < 0.0 {
         return [None, None];
