@@ -136,12 +136,15 @@ impl<'a> Grid<'a> {
     ) -> Option<Walk<'a>> {
         let width = self.width as usize;
         let (x, z) = (cell.checked_rem(width)? as u16, cell.checked_div(width)?);
-        let (x, z) = match (side, face) {
-            (Side::Outside, Face::West) => (x.checked_sub(1)?, z),
-            (Side::Outside, Face::East) => (x.wrapping_add(1), z),
-            (Side::Outside, Face::North) => (x, z.checked_sub(1)?),
-            (Side::Outside, Face::South) => (x, z.wrapping_add(1)),
-            _ => (x, z),
+        let (x, z) = match side {
+            Side::Outside => {
+                let [east, south] = *NEIGHBORS.get(face as usize)?;
+                (
+                    x.checked_add_signed(east)?,
+                    z.checked_add_signed(south.into())?,
+                )
+            }
+            Side::Inside => (x, z),
         };
         let is_inside = x < self.width && z < self.depth as usize;
         if is_inside {
@@ -151,6 +154,9 @@ impl<'a> Grid<'a> {
         }
     }
 }
+
+/// The way through each face to the next cell, along x and z.
+const NEIGHBORS: [[i16; 2]; 6] = [[-1, 0], [1, 0], [0, -1], [0, 1], [0, 0], [0, 0]];
 
 /// A ray on its way from cell to cell.
 ///

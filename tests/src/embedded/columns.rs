@@ -13,7 +13,7 @@ use super::firmware::{self, Request};
 use super::image::Image;
 use super::scenes::castle::{COLUMNS, COLUMNS_VIEW};
 use super::target::{CORTEX_M4F, Machine, TARGETS, Target};
-use super::{cortex_m4, run, stack};
+use super::{cortex_m4, run};
 use crate::lab;
 
 /// The program.
@@ -33,8 +33,8 @@ pub struct Cost {
     pub flash: i64,
     /// Bytes of the compiler's support library.
     pub support: u64,
-    /// Bytes of the stack below the caller, by the code.
-    pub stack_bound: u64,
+    /// The deepest stack below the caller, by painting.
+    pub stack: u64,
     /// Instructions a frame.
     pub instructions: u64,
     /// Estimated cycles a frame, on the Cortex-M4F.
@@ -110,14 +110,11 @@ pub fn measure(targets: &[Target], compiler: &str, plugin: &Path) -> Result<Vec<
             target: target.name.to_owned(),
             flash: own_flash(&image) - own_flash(&empty),
             support: image.support_bytes(),
-            stack_bound: 0,
+            stack: report.get("stack").copied().context("no stack depth")?,
             instructions: profiles.iter().map(|profile| profile.total()).sum(),
             cycles: None,
             picture: format!("{:016x}", expected()),
         };
-        for function in FUNCTIONS {
-            cost.stack_bound = cost.stack_bound.max(stack::bound(&image, function)?.bytes);
-        }
         if *target == CORTEX_M4F {
             let totals = profiles
                 .iter()
