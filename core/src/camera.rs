@@ -229,8 +229,23 @@ pub struct Rays {
     pub(crate) width: u32,
 }
 
+impl Rays {
+    /// Leaves out so many rays.
+    #[inline]
+    pub(crate) fn pass(&mut self, rays: usize) {
+        let left = (self.width - self.column) as usize;
+        self.column += rays.min(left) as u32;
+    }
+}
+
 impl Iterator for Rays {
     type Item = Ray;
+
+    #[inline]
+    fn nth(&mut self, passed: usize) -> Option<Ray> {
+        self.pass(passed);
+        self.next()
+    }
 
     #[inline]
     fn next(&mut self) -> Option<Ray> {

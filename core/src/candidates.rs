@@ -41,6 +41,16 @@ impl Candidates {
         }
     }
 
+    /// These and one object; the same where that is not one of the first 31.
+    #[inline(always)]
+    pub const fn with(self, object: usize) -> Self {
+        if object < 31 {
+            Self(self.0 | 1 << object)
+        } else {
+            self
+        }
+    }
+
     /// Whether an object is one of them.
     #[inline(always)]
     pub const fn contain(self, object: usize) -> bool {
@@ -104,7 +114,7 @@ impl Fan {
         let (size, across) = (length_squared(&row), start.cross(row));
         // The row's distance is above 1/32 of its length and of 1. Also false for NaN.
         const OBLIQUE: f32 = 1024.0;
-        if size > 1e-9 && size < 1e9 && (1.0 + size) * size < OBLIQUE * length_squared(&across) {
+        if size > 1e-9 && (1.0 + size) * size < OBLIQUE * length_squared(&across) {
             let across = Exact::normalize(across);
             Some(Self {
                 eye,
@@ -161,6 +171,12 @@ impl Rays {
 
 impl<G: Geometry> Iterator for Aimed<'_, G> {
     type Item = Ray;
+
+    #[inline]
+    fn nth(&mut self, passed: usize) -> Option<Ray> {
+        self.rays.pass(passed);
+        self.next()
+    }
 
     #[inline]
     fn next(&mut self) -> Option<Ray> {
@@ -290,6 +306,8 @@ impl<S: Shape, M, const N: usize> Geometry for Culled<'_, S, M, N> {
 /// faces on which they are projected: a unit vector's cell takes no division, and where all objects
 /// lie within a few degrees, as seen from a far light, the cells divide just these.
 ///
+/// Where the light or a sphere moves, it has to be made anew: else shadows would be missing.
+///
 /// `C` is `i8`, `i16` or `i32`, for geometries whose first 7, 15 or 31 objects count one by one. There
 /// are `N` cells, 64 or 512: with 64, a tenth of the shadow rays' work returns.
 ///
@@ -330,12 +348,17 @@ struct Window {
 /// At this size, floats are whole numbers, and their lowest bits the number's.
 const ROUND: f32 = 12_582_912.0;
 
-/// A sphere as seen from a light, in f64; `radius` and what lies around it by rounding.
+/// A sphere as seen from a light, in f64.
 #[derive(Clone, Copy)]
 struct Seen {
-    center: [f64; 3],
     distance: f64,
-    radius: f64,
+    /// To its center, unit length.
+    direction: [f64; 3],
+    /// How far a unit vector that meets it, or what lies around it by rounding, may lie from that one.
+    chord: f64,
+    /// Whether it takes so much of the sky that it is a candidate everywhere. Also where it is not a
+    /// number.
+    is_everywhere: bool,
 }
 
 /// By how much a sphere is taken larger, over its distance from the light: rays towards the light, and
@@ -350,29 +373,20 @@ impl Seen {
             c.y as f64 - l.y as f64,
             c.z as f64 - l.z as f64,
         ];
-        let distance = sqrt(exact_dot(center, center));
+        let distance = sqrt(center[0] * center[0] + center[1] * center[1] + center[2] * center[2]);
         let radius = (sphere.radius as f64).abs();
+        let sine = (radius + (distance + radius) * LIGHT_SLACK) / distance;
         Self {
-            center,
             distance,
-            radius: radius + (distance + radius) * LIGHT_SLACK,
+            direction: [
+                center[0] / distance,
+                center[1] / distance,
+                center[2] / distance,
+            ],
+            // Up to a sine of 1/2 it is at most 1.0353 times the sine.
+            chord: 1.036 * sine,
+            is_everywhere: !(sine < 0.5),
         }
-    }
-
-    /// Whether it takes so much of the sky that it is a candidate everywhere. Also where it is not a
-    /// number.
-    const fn is_everywhere(&self) -> bool {
-        !(2.0 * self.radius < self.distance)
-    }
-
-    /// How far a unit vector that meets it may lie from the one to its center, which see: for a sine of
-    /// up to 1/2, the chord is at most 1.0353 times that.
-    const fn chord(&self) -> f64 {
-        1.036 * self.radius / self.distance
-    }
-
-    const fn direction(&self, axis: usize) -> f64 {
-        self.center[axis] / self.distance
     }
 
     /// Whether any direction of the cell, between `low` and `high` along each axis, may meet it.
@@ -380,20 +394,17 @@ impl Seen {
         let mut apart_squared = 0.0;
         let mut axis = 0;
         while axis < 3 {
-            let it = self.direction(axis);
+            let it = self.direction[axis];
             let apart = f64::max(f64::max(low[axis] - it, it - high[axis]), 0.0);
             apart_squared += apart * apart;
             axis += 1;
         }
-        apart_squared <= self.chord() * self.chord()
+        apart_squared <= self.chord * self.chord
     }
 }
 
-const fn exact_dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The square root, by Newton's method: enough rounds for any square of an f32.
+/// The square root by Newton's method, which comes down to it from above, up to rounding. 300 rounds are
+/// enough for any square of an f32.
 const fn sqrt(x: f64) -> f64 {
     if !(x > 0.0) {
         return x;
@@ -401,7 +412,11 @@ const fn sqrt(x: f64) -> f64 {
     let mut root = if x > 1.0 { x } else { 1.0 };
     let mut rounds = 0;
     while rounds < 300 {
-        root = 0.5 * (root + x / root);
+        let next = 0.5 * (root + x / root);
+        if !(next < root) {
+            break;
+        }
+        root = next;
         rounds += 1;
     }
     root
@@ -419,7 +434,7 @@ impl<C, const N: usize> LightBuffer<C, N> {
         let mut place = 0;
         while place < spheres.len() {
             let seen = Seen::new(light, &spheres[place].shape);
-            if !seen.is_everywhere() {
+            if !seen.is_everywhere {
                 reach = f64::min(reach, seen.distance * 256.0);
             }
             place += 1;
@@ -434,13 +449,13 @@ impl<C, const N: usize> LightBuffer<C, N> {
         while place < spheres.len() {
             let seen = Seen::new(light, &spheres[place].shape);
             place += 1;
-            if seen.is_everywhere() {
+            if seen.is_everywhere {
                 continue;
             }
-            let apart = seen.chord();
+            let apart = seen.chord;
             let mut axis = 0;
             while axis < 3 {
-                let middle = seen.direction(axis);
+                let middle = seen.direction[axis];
                 low[axis] = f64::min(low[axis], f64::max(middle - apart, -1.0));
                 high[axis] = f64::max(high[axis], f64::min(middle + apart, 1.0));
                 axis += 1;
@@ -500,7 +515,7 @@ macro_rules! cells {
                 let mut place = 0;
                 while place < spheres.len() && place < $most {
                     let it = Seen::new(light, &spheres[place].shape);
-                    if !it.is_everywhere() {
+                    if !it.is_everywhere {
                         seen[place] = Some(it);
                     }
                     place += 1;
@@ -654,6 +669,13 @@ mod tests {
         assert_eq!(bits(31, 31), [false, true, false]);
         assert_eq!(bits(32, 63), [false, false, true]);
         assert_eq!(view.rays(0).towards(&culled).len(), 64);
+        assert_eq!(view.rays(0).towards(&culled).nth(64), None);
+        // On the right of a pair, where places are counted on.
+        let pair = ([ball(0.0, 0.0)], culled);
+        let pair = (pair.0.as_slice(), pair.1);
+        let ray = view.rays(31).towards(&pair).next().unwrap();
+        let found: [bool; 4] = [0, 1, 2, 3].map(|it| ray.candidates.contain(it));
+        assert_eq!(found, [true, true, false, false]);
     }
 
     #[test]

@@ -15,7 +15,8 @@ pub struct Ray {
     pub t_max: f32,
     /// The surface on which `origin` lies.
     pub departure: Option<Departure>,
-    /// The objects that it may meet, where that is known; all others are missed for sure.
+    /// The objects that it may meet, where that is known; all others are missed for sure. What is known
+    /// of one ray does not hold for another: start those from [`Ray::new`].
     pub candidates: Candidates,
 }
 

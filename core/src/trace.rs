@@ -241,7 +241,9 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 let mut shadow = hit.back(direction);
                 shadow.t_max = distance;
                 if P::EXACT {
-                    shadow.candidates = source.candidates(direction, distance);
+                    // The surface that is left may lie beside the point where rounding has put that.
+                    let candidates = source.candidates(direction, distance);
+                    shadow.candidates = candidates.with(hit.object);
                 }
                 if <G::Material as Finish>::Transmission::TRANSMITS {
                     passed = scene.geometry.transmittance_by::<P>(&shadow);

@@ -92,6 +92,8 @@ pub fn bake_with(scene: &HostScene<'_>, view: Option<&View>, layout: Layout) -> 
 const WAITING_RAY: usize = 40;
 /// Of a light that knows what lies in which direction.
 const MANY_CELLS: usize = 512;
+/// Most lights that do: the compiler makes their cells.
+const MOST_BUFFERS: usize = 16;
 /// The same where all lights would take more than [`MOST_CELL_BYTES`] so.
 const FEW_CELLS: usize = 64;
 const MOST_CELL_BYTES: usize = 4096;
@@ -198,7 +200,9 @@ impl Baker {
         let array = S::ALL.to_uppercase();
         let kind = format!("Object<'static, {}, SceneMaterial>", S::TYPE);
         let layout = match self.layout {
-            Layout::Fastest => S::fastest(objects.len()),
+            Layout::Fastest => {
+                S::fastest(objects.len(), self.terms.reflects || self.terms.transmits)
+            }
             layout => layout,
         };
         let hierarchy = match layout {
@@ -327,7 +331,7 @@ impl Baker {
         let (light, size) = if with_shadows == 0 {
             self.import(&["FillLight"]);
             ("FillLight".to_owned(), point)
-        } else if self.culled > 0 {
+        } else if self.culled > 0 && with_shadows <= MOST_BUFFERS {
             self.import(&["Light", "LightBuffer"]);
             let (cell, size) = match self.culled {
                 0..=7 => ("i8", 1),

@@ -266,3 +266,56 @@ fn light_buffers_hold_at_the_borders_of_cells() {
     }
     assert!((10_000..90_000).contains(&met), "{met} met");
 }
+
+/// Seen from very far, points lie farther off a small sphere than any slack allows for, and a shadow ray
+/// may leave it into its inside without ever coming near.
+#[test]
+fn what_a_shadow_ray_leaves_is_always_a_candidate() {
+    let mut random = random("departures");
+    let mut lit = 0;
+    for _ in 0..400 {
+        let balls: [Object<Sphere>; 6] = std::array::from_fn(|it| Object {
+            shape: Sphere {
+                center: random.vector(if it == 0 { 0.0 } else { 0.1 }).round(),
+                radius: -0.01,
+            },
+            material: &MATERIAL,
+        });
+        let distance = random.between(0.03, 0.09);
+        let light = Light {
+            position: (random.direction() * distance).round(),
+            color: Vec3::ONE,
+        };
+        let eye = (random.direction() * 20_000.0).round();
+        let Ok(camera) = Camera::look_at(eye, Vec3::ZERO, Vec3::Y, 5e-6, 1.0) else {
+            continue;
+        };
+        let view = View {
+            camera,
+            width: 48,
+            height: 48,
+        };
+        let plain = Scene {
+            geometry: balls.as_slice(),
+            lights: &[light],
+            background: Vec3::ZERO,
+            ambient: Vec3::ZERO,
+        };
+        let culled = Scene {
+            geometry: Culled(&balls),
+            lights: &[LightBuffer::<i8, 512>::new(light, &balls)],
+            background: Vec3::ZERO,
+            ambient: Vec3::ZERO,
+        };
+        for row in 0..view.height {
+            let (mut one, mut other) = (Tracer::<1>::new(), Tracer::<1>::new());
+            let expected = picture::row(&plain, &view, row, &mut one);
+            let pixels = picture::row(&culled, &view, row, &mut other);
+            for (expected, pixel) in expected.zip(pixels) {
+                assert_eq!(expected, pixel, "{view:?} {light:?} {balls:?}");
+                lit += u32::from(expected != Vec3::ZERO);
+            }
+        }
+    }
+    assert!(lit > 30, "{lit} pixels are lit");
+}

@@ -25,19 +25,20 @@ pub trait Kind {
     const BYTES: usize;
     /// How many objects may be a slice that passes over what a ray cannot meet.
     const CULLED: RangeInclusive<usize> = RangeInclusive::new(1, 0);
-    /// Most objects that are a plain or a culled slice; with more, a hierarchy takes fewer instructions of a Cortex-M4F
+    /// Most objects that are a plain slice; with more, a hierarchy takes fewer instructions of a Cortex-M4F
     /// (`tests/charts/firmware-hierarchy.svg`). Triangles were measured, and the rest costs about as
     /// much or more. A hierarchy's code takes flash too, which two objects are not worth.
     const SLICE: usize = 2;
     /// What else its source names.
     const IMPORTS: &'static [&'static str] = &[];
 
-    /// What takes the fewest instructions for so many.
-    fn fastest(count: usize) -> Layout {
-        if count > Self::SLICE {
-            Layout::Hierarchies
-        } else if Self::CULLED.contains(&count) {
+    /// What takes the fewest instructions for so many; `bounces` where rays leave surfaces, for which
+    /// nothing is known of what they miss.
+    fn fastest(count: usize, bounces: bool) -> Layout {
+        if Self::CULLED.contains(&count) && !(bounces && count > Self::SLICE) {
             Layout::Culled
+        } else if count > Self::SLICE {
+            Layout::Hierarchies
         } else {
             Layout::Slices
         }
@@ -125,7 +126,7 @@ impl Kind for Sphere {
     const ALL: &'static str = "Spheres";
     const BYTES: usize = size_of::<Self>();
     const CULLED: RangeInclusive<usize> = 2..=31;
-    const SLICE: usize = 31;
+    const SLICE: usize = 12;
 
     fn source(&self) -> String {
         let (center, radius) = (vector(self.center), number(self.radius));
