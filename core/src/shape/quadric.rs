@@ -450,7 +450,11 @@ impl Quadric {
         let Some((mut from, to)) = self.clip.span(origin, direction, reciprocal) else {
             return NOTHING;
         };
-        if !(to > 0.0 && from < ray.t_max) {
+        if !(to > 0.0) {
+            return NOTHING;
+        }
+        // A ray that leaves a point off the surface may find a root before it enters.
+        if leaving.is_none() && !(from < ray.t_max) {
             return NOTHING;
         }
         let a = dot(&self.times(direction), &direction) + 0.0;

@@ -241,7 +241,11 @@ impl Torus {
         };
         let origin = -approach;
         // Also true for NaN.
-        if !(enters < exits && origin < exits && approach + enters < ray.t_max) {
+        if !(enters < exits && origin < exits) {
+            return None;
+        }
+        // A ray that leaves a point off the surface may find a root before it enters.
+        if leaving.is_none() && !(approach + enters < ray.t_max) {
             return None;
         }
         let (place, outside) = match leaving {
