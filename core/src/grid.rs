@@ -48,28 +48,23 @@ impl Face {
 
     /// The side of the neighbor that is the same wall.
     #[inline(always)]
-    pub const fn opposite(self) -> Self {
-        match self {
-            Self::West => Self::East,
-            Self::East => Self::West,
-            Self::North => Self::South,
-            Self::South => Self::North,
-            Self::Floor => Self::Ceiling,
-            Self::Ceiling => Self::Floor,
-        }
+    pub fn opposite(self) -> Self {
+        Self::ALL.get(self as usize ^ 1).copied().unwrap_or(self)
     }
 
     /// Out of a solid cell; of floors and ceilings, into the room between them.
     #[inline]
-    pub const fn normal(self) -> Vec3 {
-        match self {
-            Self::West => Vec3::NEG_X,
-            Self::East => Vec3::X,
-            Self::North => Vec3::NEG_Z,
-            Self::South => Vec3::Z,
-            Self::Floor => Vec3::Y,
-            Self::Ceiling => Vec3::NEG_Y,
-        }
+    pub fn normal(self) -> Vec3 {
+        // A table, where a `match` may become a jump of which tools cannot tell where it leads.
+        const NORMALS: [Vec3; 6] = [
+            Vec3::NEG_X,
+            Vec3::X,
+            Vec3::NEG_Z,
+            Vec3::Z,
+            Vec3::Y,
+            Vec3::NEG_Y,
+        ];
+        NORMALS.get(self as usize).copied().unwrap_or(Vec3::ZERO)
     }
 }
 
