@@ -309,7 +309,7 @@ impl<S: Shape, M, const N: usize> Geometry for Culled<'_, S, M, N> {
 /// Where the light or a sphere moves, it has to be made anew: else shadows would be missing.
 ///
 /// `C` is `i8`, `i16` or `i32`, for geometries whose first 7, 15 or 31 objects count one by one. There
-/// are `N` cells, 64 or 512: with 64, a tenth of the shadow rays' work returns.
+/// are `N` cells, 64 or 512: with 64, scenes of four and six spheres take 3 to 5 % more cycles.
 ///
 /// ```
 /// use whitted::{Culled, Light, LightBuffer, Material, Object, Scene, Sphere, Vec3};
