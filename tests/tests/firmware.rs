@@ -394,7 +394,7 @@ fn hierarchies_save_what_the_chart_says() {
     }
     let compiler = compiler().unwrap();
     let table = hierarchy::read().unwrap();
-    let savings = hierarchy::measure(&[4, 31, 64], compiler, plugin()).unwrap();
+    let savings = hierarchy::measure(&[4, 31], compiler, plugin()).unwrap();
     for saving in &savings {
         let known = table
             .iter()
@@ -412,7 +412,7 @@ fn hierarchies_save_what_the_chart_says() {
         match (saving.scene.as_str(), saving.objects) {
             ("spheres", 4) => assert!(flat < tree, "{saving:?}"),
             ("spheres", 31) => assert!(culled.unwrap() * 2.0 < *tree, "{saving:?}"),
-            (_, 64) => assert!(tree * 2.0 < *flat, "{saving:?}"),
+            ("triangles", 31) => assert!(tree * 2.0 < *flat, "{saving:?}"),
             ("balls-3", _) => assert!(tree * 15.0 < *flat, "{saving:?}"),
             _ => {}
         }
