@@ -207,7 +207,6 @@ fn columns_take_what_the_chart_says() {
         } else {
             say(&format!("NOT COMPARED: {} made {known:?}", known.compiler));
         }
-        assert_eq!(cost.support, 0, "arithmetic in software on a part with FPU");
     }
 }
 
