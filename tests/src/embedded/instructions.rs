@@ -222,6 +222,14 @@ impl Instruction {
         }
     }
 
+    /// How many of the next instructions depend on a condition, if it is Thumb's that says so: `it`, and a
+    /// letter for each but the first. Decoded alone, those do not show it.
+    pub fn makes_conditional(&self) -> Option<usize> {
+        let rest = self.mnemonic.strip_prefix("it")?;
+        let is_it = rest.bytes().all(|letter| matches!(letter, b't' | b'e'));
+        is_it.then_some(1 + rest.len())
+    }
+
     /// How many bytes it moves the stack pointer down; negative: up. `None` where that cannot be told.
     pub fn stack_growth(&self, architecture: Architecture) -> Option<i64> {
         if architecture == Architecture::Arm {

@@ -89,8 +89,9 @@ impl Search<'_> {
         };
         let inside = function_start..function_start + function.size;
         let mut walk = Walk::default();
-        let mut waiting = vec![(start, 0, Values::default())];
-        while let Some((address, depth, mut values)) = waiting.pop() {
+        // With each place, how many instructions from there on are conditional.
+        let mut waiting = vec![(start, 0, Values::default(), 0_usize)];
+        while let Some((address, depth, mut values, conditional)) = waiting.pop() {
             if !inside.contains(&address) {
                 // Called last: its frame takes this one's place.
                 walk.call(address, depth);
@@ -118,11 +119,19 @@ impl Search<'_> {
                 bail!("{name} returns with {after} bytes on the stack: {instruction}");
             }
             let targets = self.follow(&instruction, flow, after, &inside, &mut walk)?;
+            if conditional > 0 && matches!(flow, Flow::Return | Flow::Jump(_)) {
+                // Or not.
+                let next = instruction.place.address + instruction.place.size;
+                waiting.push((next, depth, values.clone(), conditional - 1));
+            }
             values.update(&instruction, depth, self.image);
+            let conditional = instruction
+                .makes_conditional()
+                .unwrap_or(conditional.saturating_sub(1));
             waiting.extend(
                 targets
                     .into_iter()
-                    .map(|target| (target, after, values.clone())),
+                    .map(|target| (target, after, values.clone(), conditional)),
             );
         }
         Ok(walk)
