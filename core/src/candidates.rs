@@ -3,8 +3,8 @@
 //! The rays of a row's pixels share the eye, and all rays towards a light share the light. What of
 //! the first objects no ray of a group can meet is found out once, for the group: of a [`Beam`], the
 //! pixels of a stretch of a row, while it is drawn; of the rays that reach a light from one direction,
-//! before the program is built, in a [`LightBuffer`]. Each ray then carries the [`Candidates`] of its
-//! groups, and a [`Culled`] slice passes over all others.
+//! before the program is built, in a [`LightBuffer`]. With each ray then go the [`Candidates`] of its
+//! group, and a [`Culled`] slice passes over all others.
 //!
 //! Nothing that is met is ever passed over, so that no picture changes by a bit. Scenes without a
 //! [`Culled`] slice link none of this.
@@ -170,18 +170,18 @@ impl Rays {
 }
 
 impl<G: Geometry> Iterator for Aimed<'_, G> {
-    type Item = Ray;
+    type Item = (Ray, Candidates);
 
     #[inline]
-    fn nth(&mut self, passed: usize) -> Option<Ray> {
+    fn nth(&mut self, passed: usize) -> Option<Self::Item> {
         self.rays.pass(passed);
         self.next()
     }
 
     #[inline]
-    fn next(&mut self) -> Option<Ray> {
+    fn next(&mut self) -> Option<Self::Item> {
         let column = self.rays.column;
-        let mut ray = self.rays.next()?;
+        let ray = self.rays.next()?;
         if column >= self.end {
             self.end = column.saturating_add(SPAN);
             if let Some(fan) = &self.fan {
@@ -189,8 +189,7 @@ impl<G: Geometry> Iterator for Aimed<'_, G> {
                 self.candidates = self.geometry.candidates(&beam, 0, Candidates::ALL);
             }
         }
-        ray.candidates = self.candidates;
-        Some(ray)
+        Some((ray, self.candidates))
     }
 
     #[inline]
@@ -219,11 +218,11 @@ impl<S, M, const N: usize> Copy for Culled<'_, S, M, N> {}
 
 impl<'a, S, M, const N: usize> Culled<'a, S, M, N> {
     #[inline(always)]
-    fn among(&self, ray: &Ray, first: usize) -> Among<'a, Object<'a, S, M>, N> {
+    fn among(&self, among: Candidates, first: usize) -> Among<'a, Object<'a, S, M>, N> {
         const { assert!(N <= 31, "a culled slice has at most 31 objects") };
         Among {
             objects: self.0,
-            left: ray.candidates.from(first) as u32 & ((1 << N) - 1),
+            left: among.from(first) as u32 & ((1 << N) - 1),
         }
     }
 }
@@ -269,8 +268,8 @@ impl<S: Shape, M, const N: usize> Geometry for Culled<'_, S, M, N> {
     }
 
     #[inline]
-    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
-        nearest_of::<_, _, P>(self.0.as_slice(), self.among(ray, first), ray, first)
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize> {
+        nearest_of::<_, _, P>(self.0.as_slice(), self.among(among, first), ray, first)
     }
 
     #[inline]
@@ -285,16 +284,22 @@ impl<S: Shape, M, const N: usize> Geometry for Culled<'_, S, M, N> {
     }
 
     #[inline]
-    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
-        any_blocks::<_, _, P>(self.0, self.among(ray, first), ray, first)
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
+        any_blocks::<_, _, P>(self.0, self.among(among, first), ray, first)
     }
 
     #[inline]
-    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        first: usize,
+        among: Candidates,
+        light: &mut Transmittance,
+    ) -> bool
     where
         M: Finish,
     {
-        any_absorbs::<_, _, P>(self.0, self.among(ray, first), ray, first, light)
+        any_absorbs::<_, _, P>(self.0, self.among(among, first), ray, first, light)
     }
 }
 
@@ -633,21 +638,20 @@ mod tests {
         assert_eq!(culled.closest_hit(&ray), plain.closest_hit(&ray));
         assert_eq!(culled.len(), 4);
         // What is no candidate is not looked at, even where it would be met.
-        let blind = Ray {
-            candidates: Candidates::ALL.without(3),
-            ..ray
-        };
+        let blind = Candidates::ALL.without(3);
         let pair = (&balls[..1], culled);
-        assert_eq!(pair.closest_hit(&ray).map(|hit| hit.object), Some(3));
-        assert_eq!(pair.closest_hit(&blind).map(|hit| hit.object), Some(2));
-        assert!(pair.occluded(&blind));
-        let blinder = Ray {
-            candidates: blind.candidates.without(2),
-            ..ray
+        let hit = |among| {
+            pair.closest_hit_by::<Exact>(&ray, among)
+                .map(|hit| hit.object)
         };
-        assert!(!pair.occluded(&blinder));
-        assert_eq!(pair.transmittance(&blinder), 1.0);
-        assert_eq!(pair.transmittance(&blind), 0.0);
+        let passes = |among| pair.transmittance_by::<Exact>(&ray, among);
+        assert_eq!(hit(Candidates::ALL), Some(3));
+        assert_eq!(hit(blind), Some(2));
+        assert!(pair.blocks::<Exact>(&ray, 0, blind));
+        assert_eq!(passes(blind), 0.0);
+        let blinder = blind.without(2);
+        assert!(!pair.blocks::<Exact>(&ray, 0, blinder));
+        assert_eq!(passes(blinder), 1.0);
     }
 
     #[test]
@@ -661,8 +665,8 @@ mod tests {
         let balls = [ball(-2.0, -5.0), ball(0.0, -9.0), ball(2.0, -5.0)];
         let culled = Culled(&balls);
         let bits = |row, column| {
-            let ray = view.rays(row).towards(&culled).nth(column).unwrap();
-            [0, 1, 2].map(|it| ray.candidates.contain(it))
+            let (_, among) = view.rays(row).towards(&culled).nth(column).unwrap();
+            [0, 1, 2].map(|it| among.contain(it))
         };
         assert_eq!(bits(0, 0), [false; 3]);
         assert_eq!(bits(31, 0), [true, false, false]);
@@ -673,8 +677,8 @@ mod tests {
         // On the right of a pair, where places are counted on.
         let pair = ([ball(0.0, 0.0)], culled);
         let pair = (pair.0.as_slice(), pair.1);
-        let ray = view.rays(31).towards(&pair).next().unwrap();
-        let found: [bool; 4] = [0, 1, 2, 3].map(|it| ray.candidates.contain(it));
+        let (_, among) = view.rays(31).towards(&pair).next().unwrap();
+        let found: [bool; 4] = [0, 1, 2, 3].map(|it| among.contain(it));
         assert_eq!(found, [true, true, false, false]);
     }
 

@@ -38,7 +38,8 @@ pub type Objects<S, M = crate::material::Material> = &'static [Object<'static, S
 /// [`closest_hit`](Self::closest_hit), [`occluded`](Self::occluded) and
 /// [`transmittance`](Self::transmittance) are the queries; the methods before them are what a new
 /// kind of geometry, say a hierarchy, implements. `first` is the place in the whole geometry at which
-/// this part of it starts; objects are counted from there.
+/// this part of it starts; objects are counted from there. `among` says which objects the ray may meet,
+/// where that is known: all others are missed for sure, and need not be looked at.
 pub trait Geometry {
     /// What all its objects are made of.
     type Material;
@@ -61,7 +62,7 @@ pub trait Geometry {
 
     /// Finds the nearest point that the ray admits, makes its distance the ray's `t_max`, and tells
     /// which object it is. Of equally near ones the first, so a later one must be strictly nearer.
-    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize>;
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize>;
 
     /// Unit normal of the outward side where [`nearest`](Self::nearest) found `object` at `t`, and the
     /// object's material; `None` where there is no such object.
@@ -74,11 +75,17 @@ pub trait Geometry {
     ) -> Option<(Vec3, &Self::Material)>;
 
     /// Whether the ray admits any point of any object.
-    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool;
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool;
 
     /// Multiplies `light` by the transmittance of each surface at each point that the ray admits;
     /// true as soon as one is opaque.
-    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        first: usize,
+        among: Candidates,
+        light: &mut Transmittance,
+    ) -> bool
     where
         Self::Material: Finish;
 
@@ -93,14 +100,18 @@ pub trait Geometry {
     /// ```
     #[inline]
     fn closest_hit(&self, ray: &Ray) -> Option<Hit<'_, Self::Material>> {
-        self.closest_hit_by::<Exact>(ray)
+        self.closest_hit_by::<Exact>(ray, Candidates::ALL)
     }
 
-    /// [`closest_hit`](Self::closest_hit) by a policy of choice.
+    /// [`closest_hit`](Self::closest_hit) by a policy of choice, of the candidates.
     #[inline]
-    fn closest_hit_by<P: Math>(&self, ray: &Ray) -> Option<Hit<'_, Self::Material>> {
+    fn closest_hit_by<P: Math>(
+        &self,
+        ray: &Ray,
+        among: Candidates,
+    ) -> Option<Hit<'_, Self::Material>> {
         let mut nearest = *ray;
-        let object = self.nearest::<P>(&mut nearest, 0)?;
+        let object = self.nearest::<P>(&mut nearest, 0, among)?;
         let t = nearest.t_max;
         let (outward, material) = self.surface::<P>(ray, t, object, 0)?;
         let front = dot(&outward, &ray.direction) <= 0.0;
@@ -117,7 +128,7 @@ pub trait Geometry {
     /// Whether anything, transparent or not, lies in the ray's open interval.
     #[inline]
     fn occluded(&self, ray: &Ray) -> bool {
-        self.blocks::<Exact>(ray, 0)
+        self.blocks::<Exact>(ray, 0, Candidates::ALL)
     }
 
     /// Share of light that passes along the ray, from 0 to 1: the product of the transmittance of all
@@ -128,17 +139,17 @@ pub trait Geometry {
     where
         Self::Material: Finish,
     {
-        self.transmittance_by::<Exact>(ray)
+        self.transmittance_by::<Exact>(ray, Candidates::ALL)
     }
 
-    /// [`transmittance`](Self::transmittance) by a policy of choice.
+    /// [`transmittance`](Self::transmittance) by a policy of choice, of the candidates.
     #[inline]
-    fn transmittance_by<P: Math>(&self, ray: &Ray) -> f32
+    fn transmittance_by<P: Math>(&self, ray: &Ray, among: Candidates) -> f32
     where
         Self::Material: Finish,
     {
         let mut light = Transmittance::default();
-        if self.absorbs::<P>(ray, 0, &mut light) {
+        if self.absorbs::<P>(ray, 0, among, &mut light) {
             0.0
         } else {
             light.product()
@@ -237,7 +248,7 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
     }
 
     #[inline]
-    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, _: Candidates) -> Option<usize> {
         nearest_of::<_, _, P>(self, self.iter(), ray, first)
     }
 
@@ -254,12 +265,18 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
     }
 
     #[inline]
-    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize, _: Candidates) -> bool {
         any_blocks::<_, _, P>(self, self.iter(), ray, first)
     }
 
     #[inline]
-    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        first: usize,
+        _: Candidates,
+        light: &mut Transmittance,
+    ) -> bool
     where
         M: Finish,
     {
@@ -282,9 +299,9 @@ impl<A: Geometry, B: Geometry<Material = A::Material>> Geometry for (A, B) {
     }
 
     #[inline(always)]
-    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
-        let left = self.0.nearest::<P>(ray, first);
-        let right = self.1.nearest::<P>(ray, first + self.0.len());
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize> {
+        let left = self.0.nearest::<P>(ray, first, among);
+        let right = self.1.nearest::<P>(ray, first + self.0.len(), among);
         right.or(left)
     }
 
@@ -305,17 +322,24 @@ impl<A: Geometry, B: Geometry<Material = A::Material>> Geometry for (A, B) {
     }
 
     #[inline(always)]
-    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
-        self.0.blocks::<P>(ray, first) || self.1.blocks::<P>(ray, first + self.0.len())
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
+        self.0.blocks::<P>(ray, first, among)
+            || self.1.blocks::<P>(ray, first + self.0.len(), among)
     }
 
     #[inline(always)]
-    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        first: usize,
+        among: Candidates,
+        light: &mut Transmittance,
+    ) -> bool
     where
         A::Material: Finish,
     {
-        self.0.absorbs::<P>(ray, first, light)
-            || self.1.absorbs::<P>(ray, first + self.0.len(), light)
+        self.0.absorbs::<P>(ray, first, among, light)
+            || self.1.absorbs::<P>(ray, first + self.0.len(), among, light)
     }
 }
 
@@ -333,8 +357,8 @@ impl<G: Geometry + ?Sized> Geometry for &G {
     }
 
     #[inline(always)]
-    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
-        (**self).nearest::<P>(ray, first)
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize> {
+        (**self).nearest::<P>(ray, first, among)
     }
 
     #[inline(always)]
@@ -349,16 +373,22 @@ impl<G: Geometry + ?Sized> Geometry for &G {
     }
 
     #[inline(always)]
-    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
-        (**self).blocks::<P>(ray, first)
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
+        (**self).blocks::<P>(ray, first, among)
     }
 
     #[inline(always)]
-    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        first: usize,
+        among: Candidates,
+        light: &mut Transmittance,
+    ) -> bool
     where
         G::Material: Finish,
     {
-        (**self).absorbs::<P>(ray, first, light)
+        (**self).absorbs::<P>(ray, first, among, light)
     }
 }
 

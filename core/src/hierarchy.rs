@@ -36,6 +36,7 @@ use core::ops::Range;
 use glam::Vec3;
 use heapless::Vec;
 
+use crate::candidates::Candidates;
 use crate::geometry::{Geometry, Object};
 use crate::material::{Finish, Transmission};
 use crate::math::{self, Math, Transmittance, dot, length_squared};
@@ -537,7 +538,7 @@ impl<S: Shape, M, B: Bound<S>, const DEPTH: usize, I: Copy + Into<usize>> Geomet
     }
 
     #[inline]
-    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, _: Candidates) -> Option<usize> {
         let setup = S::setup(ray);
         let left = self.left(ray, first);
         // Distance, and place of the object.
@@ -586,7 +587,7 @@ impl<S: Shape, M, B: Bound<S>, const DEPTH: usize, I: Copy + Into<usize>> Geomet
     }
 
     #[inline]
-    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize, _: Candidates) -> bool {
         let setup = S::setup(ray);
         let left = self.left(ray, first);
         if let Some((object, side)) = left
@@ -613,7 +614,13 @@ impl<S: Shape, M, B: Bound<S>, const DEPTH: usize, I: Copy + Into<usize>> Geomet
     }
 
     #[inline]
-    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        first: usize,
+        _: Candidates,
+        light: &mut Transmittance,
+    ) -> bool
     where
         M: Finish,
     {

@@ -295,7 +295,7 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 #[cfg_attr(soft_float, inline(never))]
 #[cfg_attr(not(soft_float), inline(always))]
 pub fn dot(a: &Vec3, b: &Vec3) -> f32 {
-    a.x * b.x + a.y * b.y + a.z * b.z
+    a.dot(*b)
 }
 
 /// The dot product of a vector with itself.

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::candidates::Candidates;
 use crate::geometry::Geometry;
 use crate::grid::{Face, Grid};
 use crate::material::{Finish, Material, Transmission};
@@ -147,7 +148,7 @@ impl<M> Geometry for Maze<'_, M> {
     }
 
     #[inline]
-    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, _: Candidates) -> Option<usize> {
         let mut nearest = None;
         self.visit(&*ray, first, |t, (cell, face), _| {
             nearest = Some((t, Self::object(cell, face)));
@@ -165,7 +166,7 @@ impl<M> Geometry for Maze<'_, M> {
     }
 
     #[inline]
-    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize, _: Candidates) -> bool {
         let mut met = false;
         self.visit(ray, first, |_, _, _| {
             met = true;
@@ -175,7 +176,13 @@ impl<M> Geometry for Maze<'_, M> {
     }
 
     #[inline]
-    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        first: usize,
+        _: Candidates,
+        light: &mut Transmittance,
+    ) -> bool
     where
         M: Finish,
     {

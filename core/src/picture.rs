@@ -49,7 +49,7 @@ where
 {
     view.rays(row)
         .towards(&scene.geometry)
-        .map(move |ray| tracer.radiance(scene, ray))
+        .map(move |(ray, among)| tracer.radiance_among(scene, ray, among))
 }
 
 /// A picture that embedded-graphics can draw, computed while it is drawn.
@@ -125,8 +125,9 @@ where
                 let rays = self.view.rays(row).towards(&self.scene.geometry);
                 rays.skip(left as usize).take(width as usize)
             })
-            .map(move |ray| {
-                let [red, green, blue] = to_rgb8(tracer.radiance(self.scene, ray));
+            .map(move |(ray, among)| {
+                let radiance = tracer.radiance_among(self.scene, ray, among);
+                let [red, green, blue] = to_rgb8(radiance);
                 Color::from(Rgb888::new(red, green, blue))
             })
     }

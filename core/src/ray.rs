@@ -2,8 +2,6 @@
 
 use glam::Vec3;
 
-use crate::candidates::Candidates;
-
 /// A half-line, up to `t_max`, and the surface that it leaves, if it leaves one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
@@ -15,9 +13,6 @@ pub struct Ray {
     pub t_max: f32,
     /// The surface on which `origin` lies.
     pub departure: Option<Departure>,
-    /// The objects that it may meet, where that is known; all others are missed for sure. What is known
-    /// of one ray does not hold for another: start those from [`Ray::new`].
-    pub candidates: Candidates,
 }
 
 /// A surface that a ray leaves. It is not met again at the point that is left.
@@ -50,7 +45,6 @@ impl Ray {
             direction,
             t_max: f32::INFINITY,
             departure: None,
-            candidates: Candidates::ALL,
         }
     }
 
@@ -145,7 +139,6 @@ impl<M> Hit<'_, M> {
                 object: self.object,
                 side,
             }),
-            candidates: Candidates::ALL,
         }
     }
 }

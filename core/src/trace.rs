@@ -15,6 +15,7 @@ use core::marker::PhantomData;
 use glam::Vec3;
 use heapless::Vec;
 
+use crate::candidates::Candidates;
 use crate::geometry::Geometry;
 use crate::material::{Finish, Highlight, Reflection, Transmission};
 use crate::math::{self, Exact, Math, dot, length_squared};
@@ -160,7 +161,22 @@ impl Path {
 
 impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
     /// Light that arrives along `ray`, from a camera: linear RGB, at least zero, with no upper bound.
+    #[inline]
     pub fn radiance<G, L>(&mut self, scene: &Scene<'_, G, L>, ray: Ray) -> Vec3
+    where
+        G: Geometry<Material: Finish>,
+        L: LightSource,
+    {
+        self.radiance_among(scene, ray, Candidates::ALL)
+    }
+
+    /// [`radiance`](Self::radiance) along a ray that meets none but these objects.
+    pub fn radiance_among<G, L>(
+        &mut self,
+        scene: &Scene<'_, G, L>,
+        ray: Ray,
+        among: Candidates,
+    ) -> Vec3
     where
         G: Geometry<Material: Finish>,
         L: LightSource,
@@ -170,10 +186,10 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
         // Of two children one is followed in place and one waits. A depth leaves at most one waiting
         // ray, and the deepest has no children, so that DEPTH entries always suffice.
         let mut waiting = Vec::<Path, DEPTH>::new();
-        let (mut ray, mut throughput, mut depth) = (ray, 1.0, 1);
+        let (mut ray, mut among, mut throughput, mut depth) = (ray, among, 1.0, 1);
         // A path ends within `depth` rays, and each ray has at most two children.
         loop {
-            let (reflected, refracted) = match scene.geometry.closest_hit_by::<P>(&ray) {
+            let (reflected, refracted) = match scene.geometry.closest_hit_by::<P>(&ray, among) {
                 None => {
                     radiance += scene.background * throughput;
                     (None, None)
@@ -199,6 +215,8 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 },
             };
             (ray, throughput, depth) = (path.ray(), path.throughput, path.depth);
+            // Of rays that leave surfaces nothing is known.
+            among = Candidates::ALL;
         }
     }
 
@@ -240,14 +258,15 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 self.counters.count(Event::Shadow);
                 let mut shadow = hit.back(direction);
                 shadow.t_max = distance;
-                if P::EXACT {
+                let among = if P::EXACT {
                     // The surface that is left may lie beside the point where rounding has put that.
-                    let candidates = source.candidates(direction, distance);
-                    shadow.candidates = candidates.with(hit.object);
-                }
+                    source.candidates(direction, distance).with(hit.object)
+                } else {
+                    Candidates::ALL
+                };
                 if <G::Material as Finish>::Transmission::TRANSMITS {
-                    passed = scene.geometry.transmittance_by::<P>(&shadow);
-                } else if scene.geometry.blocks::<P>(&shadow, 0) {
+                    passed = scene.geometry.transmittance_by::<P>(&shadow, among);
+                } else if scene.geometry.blocks::<P>(&shadow, 0, among) {
                     passed = 0.0;
                 }
                 if !(passed > 0.0) {

@@ -80,7 +80,7 @@ use fearless_simd::Level;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::x86::{Avx2, Avx512, Sse2};
 use whitted::math::Transmittance;
-use whitted::{Exact, Finish, Geometry, Math, Ray, Vec3};
+use whitted::{Candidates, Exact, Finish, Geometry, Math, Ray, Vec3};
 
 pub use parts::{Kinds, Slice};
 
@@ -321,9 +321,9 @@ impl<M: Finish> Geometry for Wide<'_, M> {
     }
 
     #[inline]
-    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize> {
         if !self.takes::<P>(ray) {
-            return self.parts.kinds.nearest::<P>(ray, first);
+            return self.parts.kinds.nearest::<P>(ray, first, among);
         }
         let left = self.left(ray, first);
         let mut nearest = Nearest::before(ray.t_max);
@@ -350,9 +350,9 @@ impl<M: Finish> Geometry for Wide<'_, M> {
     }
 
     #[inline]
-    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
         if !self.takes::<P>(ray) {
-            return self.parts.kinds.blocks::<P>(ray, first);
+            return self.parts.kinds.blocks::<P>(ray, first, among);
         }
         let left = self.left(ray, first);
         self.has_apart(left) && self.blocks_apart(ray, first, left)
@@ -360,9 +360,15 @@ impl<M: Finish> Geometry for Wide<'_, M> {
     }
 
     #[inline]
-    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool {
+    fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        first: usize,
+        among: Candidates,
+        light: &mut Transmittance,
+    ) -> bool {
         if !self.takes::<P>(ray) {
-            return self.parts.kinds.absorbs::<P>(ray, first, light);
+            return self.parts.kinds.absorbs::<P>(ray, first, among, light);
         }
         let left = self.left(ray, first);
         self.has_apart(left) && self.absorbs_apart(ray, first, left, light)

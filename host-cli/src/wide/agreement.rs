@@ -434,7 +434,6 @@ impl Owned {
             origin,
             direction,
             t_max,
-            candidates: whitted::Candidates::ALL,
             departure,
         }
     }

@@ -96,7 +96,6 @@ impl<const N: usize> Beams<N> {
             origin: self.origin.get(lane),
             direction: self.direction.get(lane),
             t_max: self.end[lane],
-            candidates: whitted::Candidates::ALL,
             departure: (self.left[lane] != u32::MAX).then_some(departure),
         }
     }

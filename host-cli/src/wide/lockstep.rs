@@ -9,7 +9,7 @@ use core::ops::Range;
 
 use fearless_simd::{Select, Simd, SimdMask};
 use whitted::math::{self, Transmittance};
-use whitted::{Counters, Exact, Geometry, Hit, Light, LightSource, Ray, Vec3, View};
+use whitted::{Candidates, Counters, Exact, Geometry, Hit, Light, LightSource, Ray, Vec3, View};
 
 use super::Wide;
 use super::across::{self, Terms};
@@ -391,7 +391,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         for lane in Set(active) {
             if !cast {
                 let mut ray = self.beams.ray(lane);
-                if let Some(object) = geometry.nearest::<Exact>(&mut ray, 0) {
+                if let Some(object) = geometry.nearest::<Exact>(&mut ray, 0, Candidates::ALL) {
                     nearest[lane] = Nearest {
                         t: ray.t_max,
                         object: object as u32,

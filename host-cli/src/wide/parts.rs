@@ -3,8 +3,8 @@
 use whitted::material::Transmission;
 use whitted::math::Transmittance;
 use whitted::{
-    Cuboid, Finish, Frustum, Geometry, Math, Object, Patch, Plane, Polygon, Quadric, Ray, Shape,
-    Sphere, Torus, Triangle, Vec3,
+    Candidates, Cuboid, Finish, Frustum, Geometry, Math, Object, Patch, Plane, Polygon, Quadric,
+    Ray, Shape, Sphere, Torus, Triangle, Vec3,
 };
 
 use super::blocks::Kind;
@@ -251,6 +251,7 @@ impl<'a, M> Parts<'a, M> {
         with_object!(self, object, |it| core::slice::from_ref(it).absorbs::<P>(
             ray,
             first + object,
+            Candidates::ALL,
             light
         ));
         false

@@ -9,7 +9,9 @@ use std::sync::OnceLock;
 use glam::Vec3;
 use libloading::Library;
 use whitted::math::Transmittance;
-use whitted::{Cuboid, Departure, Exact, Finish, Frustum, Math, Polygon, Ray, Shape, Side, Sphere};
+use whitted::{
+    Candidates, Cuboid, Departure, Exact, Finish, Frustum, Math, Polygon, Ray, Shape, Side, Sphere,
+};
 use whitted_cli::hierarchy::Bounded;
 use whitted_cli::scene::Material;
 use whitted_cli::wide::Kinds;
@@ -815,7 +817,7 @@ impl whitted::Geometry for Intersector<'_> {
         self.kinds.len()
     }
 
-    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, _: Candidates) -> Option<usize> {
         let mut cast = Self::ray(ray);
         self.embree.cast(self.embree.interface.intersect, &mut cast);
         if cast.primitive == INVALID {
@@ -836,16 +838,22 @@ impl whitted::Geometry for Intersector<'_> {
         self.kinds.surface::<P>(ray, t, object, first)
     }
 
-    fn blocks<P: Math>(&self, ray: &Ray, _: usize) -> bool {
+    fn blocks<P: Math>(&self, ray: &Ray, _: usize, _: Candidates) -> bool {
         let mut cast = Self::ray(ray);
         self.embree.cast(self.embree.interface.occluded, &mut cast);
         cast.tfar < 0.0
     }
 
-    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, _: &mut Transmittance) -> bool
+    fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        first: usize,
+        _: Candidates,
+        _: &mut Transmittance,
+    ) -> bool
     where
         Material: Finish,
     {
-        self.blocks::<P>(ray, first)
+        self.blocks::<P>(ray, first, Candidates::ALL)
     }
 }

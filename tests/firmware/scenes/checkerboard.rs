@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use whitted::math::{Math, Transmittance};
-use whitted::{Finish, Geometry, Object, Plane, Ray};
+use whitted::{Candidates, Finish, Geometry, Object, Plane, Ray};
 
 /// A horizontal plane with square tiles of unit size, opaque.
 pub struct Checkerboard<'a, M> {
@@ -31,8 +31,8 @@ impl<M> Geometry for Checkerboard<'_, M> {
     }
 
     #[inline(always)]
-    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize) -> Option<usize> {
-        self.tiles.as_slice().nearest::<P>(ray, first)
+    fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize> {
+        self.tiles.as_slice().nearest::<P>(ray, first, among)
     }
 
     #[inline(always)]
@@ -55,15 +55,21 @@ impl<M> Geometry for Checkerboard<'_, M> {
     }
 
     #[inline(always)]
-    fn blocks<P: Math>(&self, ray: &Ray, first: usize) -> bool {
-        self.tiles.as_slice().blocks::<P>(ray, first)
+    fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
+        self.tiles.as_slice().blocks::<P>(ray, first, among)
     }
 
     #[inline(always)]
-    fn absorbs<P: Math>(&self, ray: &Ray, first: usize, light: &mut Transmittance) -> bool
+    fn absorbs<P: Math>(
+        &self,
+        ray: &Ray,
+        first: usize,
+        among: Candidates,
+        light: &mut Transmittance,
+    ) -> bool
     where
         M: Finish,
     {
-        self.tiles.as_slice().absorbs::<P>(ray, first, light)
+        self.tiles.as_slice().absorbs::<P>(ray, first, among, light)
     }
 }
