@@ -230,12 +230,7 @@ pub(crate) fn any_absorbs<'o, 'm, S: Shape, M: Finish, P: Math>(
         math::keep_rolled();
         let leaving = leaves(left, object);
         let times = object.shape.crossings::<P>(ray, &setup, leaving);
-        let factor = object.material.transmission().transmittance();
-        if times > 0 && factor > 0.0 {
-            light.cross(factor, times);
-        }
-        // Also true for NaN.
-        times > 0 && !(factor > 0.0)
+        light.ends(object.material.transmission().transmittance(), times)
     })
 }
 

@@ -629,12 +629,7 @@ impl<S: Shape, M, B: Bound<S>, const DEPTH: usize, I: Copy + Into<usize>> Geomet
         // Whether all light ends at this object.
         let mut crosses = |object: &Object<'_, S, M>, leaving| {
             let times = object.shape.crossings::<P>(ray, &setup, leaving);
-            let factor = object.material.transmission().transmittance();
-            if times > 0 && factor > 0.0 {
-                light.cross(factor, times);
-            }
-            // Also true for NaN.
-            times > 0 && !(factor > 0.0)
+            light.ends(object.material.transmission().transmittance(), times)
         };
         if let Some((object, side)) = left
             && crosses(object, Some(side))

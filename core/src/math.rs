@@ -252,6 +252,16 @@ impl Transmittance {
         self.0 = self.0.saturating_add(depth.saturating_mul(times));
     }
 
+    /// Crosses a surface `times` times, and tells whether nothing is left: where it is met and opaque.
+    #[inline(always)]
+    pub fn ends(&mut self, factor: f32, times: u32) -> bool {
+        if times > 0 && factor > 0.0 {
+            self.cross(factor, times);
+        }
+        // Also true for NaN.
+        times > 0 && !(factor > 0.0)
+    }
+
     /// The product, from 0 to 1. Relative error 2e-7 and 2^-25 for each factor; zero below 2^-126.
     #[inline]
     pub fn product(self) -> f32 {

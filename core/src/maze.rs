@@ -188,12 +188,7 @@ impl<M> Geometry for Maze<'_, M> {
     {
         let mut is_opaque = false;
         self.visit(ray, first, |_, _, material| {
-            let factor = material.transmission().transmittance();
-            if factor > 0.0 {
-                light.cross(factor, 1);
-            }
-            // Also true for NaN.
-            is_opaque = !(factor > 0.0);
+            is_opaque = light.ends(material.transmission().transmittance(), 1);
             is_opaque
         });
         is_opaque

@@ -227,12 +227,7 @@ impl<'a, M> Parts<'a, M> {
             return self.absorbs::<P>(ray, object, first, light);
         }
         with_object!(self, object, |it| {
-            let factor = it.material.transmission().transmittance();
-            if factor > 0.0 {
-                light.cross(factor, 1);
-            }
-            // Also true for NaN.
-            !(factor > 0.0)
+            light.ends(it.material.transmission().transmittance(), 1)
         });
         false
     }
