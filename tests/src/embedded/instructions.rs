@@ -371,6 +371,14 @@ mod tests {
     }
 
     #[test]
+    fn thumb_conditions_reach_as_far_as_their_letters() {
+        let conditional = |code| decode(Architecture::Arm, code).makes_conditional();
+        assert_eq!(conditional(&[0x08, 0xbf]), Some(1), "it eq");
+        assert_eq!(conditional(&[0x02, 0xbf]), Some(3), "ittt eq");
+        assert_eq!(conditional(&[0x70, 0x47]), None, "bx lr");
+    }
+
+    #[test]
     fn riscv_moves_the_stack_pointer_and_flows() {
         let riscv = Architecture::Riscv32;
         let cases: [(&str, &[u8], Option<i64>, Flow); 10] = [

@@ -262,14 +262,7 @@ mod tests {
             ),
         ];
         for (name, ray, side, t, either) in cases {
-            let found = truth(&ray, &side);
-            assert_eq!(found.t.is_some(), t.is_some(), "{name}");
-            let error = found
-                .t
-                .zip(t)
-                .map_or(0.0, |(found, t)| (found / t - 1.0).abs());
-            assert!(error < 1e-14, "{name}: {found:?}");
-            assert_eq!(found.either, either, "{name}");
+            truth(&ray, &side).assert_is(t, either, name);
         }
     }
 

@@ -96,6 +96,18 @@ impl Truth {
             either: false,
         }
     }
+
+    /// Holds it against what it is by hand, to within the rounding of an `f64`.
+    #[cfg(test)]
+    fn assert_is(&self, t: Option<f64>, either: bool, name: &str) {
+        assert_eq!(self.t.is_some(), t.is_some(), "{name}");
+        let error = self
+            .t
+            .zip(t)
+            .map_or(0.0, |(found, t)| (found / t - 1.0).abs());
+        assert!(error < 1e-14, "{name}: {self:?}");
+        assert_eq!(self.either, either, "{name}");
+    }
 }
 
 /// Judges an answer. `residual` is the backward error at a distance, `margins` what is near by.

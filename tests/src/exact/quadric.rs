@@ -399,14 +399,7 @@ mod tests {
             ),
         ];
         for (name, ray, quadric, t, either) in cases {
-            let found = truth(&ray, &quadric);
-            assert_eq!(found.t.is_some(), t.is_some(), "{name}");
-            let error = found
-                .t
-                .zip(t)
-                .map_or(0.0, |(found, t)| (found / t - 1.0).abs());
-            assert!(error < 1e-14, "{name}: {found:?}");
-            assert_eq!(found.either, either, "{name}");
+            truth(&ray, &quadric).assert_is(t, either, name);
         }
     }
 
