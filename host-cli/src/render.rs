@@ -6,10 +6,10 @@ use fearless_simd::Level;
 use glam::Vec3;
 use rayon::prelude::*;
 use whitted::picture::{quantize, to_rgb8};
-use whitted::{Counters, View};
+use whitted::{Counters, Exact, Scene, Tracer, View};
 
 use crate::picture::Transfer;
-use crate::scene::AnyScene;
+use crate::scene::{AnyScene, Material};
 use crate::scene_file::limits;
 use crate::wide::Wide;
 use crate::wide::lockstep::{self, HEIGHT, Job};
@@ -57,9 +57,14 @@ pub fn render_at<E>(
     rows: Range<u32>,
     settings: Settings,
     row_done: impl Fn() + Sync,
-    mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+    emit: impl FnMut(&[Vec3]) -> Result<(), E>,
 ) -> Result<Counters, E> {
     let geometry = Wide::with_level(scene.geometry, level);
+    if needs_tracer(scene) {
+        let lone_rays =
+            |rows, pixels: &mut [Vec3]| trace_rows(&geometry, scene, view, rows, settings, pixels);
+        return bands(view, rows, 1, lone_rays, row_done, emit);
+    }
     let job = Job {
         geometry: &geometry,
         lights: scene.lights,
@@ -68,6 +73,49 @@ pub fn render_at<E>(
         depth: settings.depth.min(limits::DEPTH),
         threshold: settings.threshold,
     };
+    let in_lockstep = |rows, pixels: &mut [Vec3]| lockstep::rows(&job, view, rows, pixels);
+    bands(view, rows, HEIGHT, in_lockstep, row_done, emit)
+}
+
+/// Whether the scene has something that only [`Tracer`] does.
+fn needs_tracer(_scene: &AnyScene<'_>) -> bool {
+    false
+}
+
+/// Renders rows as [`lockstep::rows`] does, with the same bits, by [`Tracer`] itself: each ray alone.
+fn trace_rows(
+    geometry: &Wide<'_, Material>,
+    scene: &AnyScene<'_>,
+    view: &View,
+    rows: Range<u32>,
+    settings: Settings,
+    pixels: &mut [Vec3],
+) -> Counters {
+    let scene = Scene {
+        geometry,
+        lights: scene.lights,
+        background: scene.background,
+        ambient: scene.ambient,
+    };
+    let mut tracer = Tracer::<{ limits::DEPTH }, Exact, _>::with(Counters::default());
+    tracer.depth = settings.depth;
+    tracer.threshold = settings.threshold;
+    let rays = rows.flat_map(|row| view.rays(row));
+    for (pixel, ray) in pixels.iter_mut().zip(rays) {
+        *pixel = tracer.radiance(&scene, ray);
+    }
+    tracer.counters
+}
+
+/// Has `band` compute all rows, on all cores, `band_height` of them at a time.
+fn bands<E>(
+    view: &View,
+    rows: Range<u32>,
+    band_height: usize,
+    band: impl Fn(Range<u32>, &mut [Vec3]) -> Counters + Sync,
+    row_done: impl Fn() + Sync,
+    mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+) -> Result<Counters, E> {
     let width = view.width as usize;
     let mut counters = Counters::default();
     let mut pixels = Vec::new();
@@ -76,12 +124,12 @@ pub fn render_at<E>(
         let height = (BATCH / width).clamp(1, (rows.end - start) as usize);
         pixels.resize(height * width, Vec3::ZERO);
         counters += pixels
-            .par_chunks_mut(HEIGHT * width)
+            .par_chunks_mut(band_height * width)
             .enumerate()
-            .map(|(band, pixels)| {
-                let row = start + (band * HEIGHT) as u32;
+            .map(|(place, pixels)| {
+                let row = start + (place * band_height) as u32;
                 let height = (pixels.len() / width) as u32;
-                let counters = lockstep::rows(&job, view, row..row + height, pixels);
+                let counters = band(row..row + height, pixels);
                 (0..height).for_each(|_| row_done());
                 counters
             })
@@ -121,7 +169,49 @@ fn srgb(light: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::scene::{HostScene, Pool};
+    use crate::scene_file::toml;
+
+    #[test]
+    fn lone_rays_give_the_bits_of_those_in_lockstep() {
+        let builtin = include_str!("../scenes/builtin.toml");
+        let file = toml::parse(Path::new("builtin.toml"), builtin).unwrap();
+        let pool = Pool::new(&file);
+        let host = HostScene::new(&file, &pool).unwrap();
+        let scene = host.scene();
+        let view = host.camera(61, 43).unwrap().unwrap();
+        let settings = Settings {
+            depth: file.depth,
+            threshold: 1.0 / 512.0,
+        };
+        let mut expected = Vec::new();
+        let rendered = render(
+            &scene,
+            &view,
+            5..43,
+            settings,
+            || (),
+            |pixels| {
+                expected.extend_from_slice(pixels);
+                Ok::<_, ()>(())
+            },
+        );
+        let mut pixels = vec![Vec3::ZERO; expected.len()];
+        let geometry = Wide::new(scene.geometry);
+        let counters = trace_rows(&geometry, &scene, &view, 5..43, settings, &mut pixels);
+        assert_eq!(Ok(counters), rendered);
+        let bits = |it: Vec3| it.to_array().map(f32::to_bits);
+        assert!(
+            pixels
+                .iter()
+                .map(|&it| bits(it))
+                .eq(expected.iter().map(|&it| bits(it)))
+        );
+        assert!(counters.refracted > 0 && counters.shadow > 0);
+    }
 
     #[test]
     fn light_becomes_bytes() {
