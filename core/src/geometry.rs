@@ -64,6 +64,15 @@ pub trait Geometry {
     /// which object it is. Of equally near ones the first, so a later one must be strictly nearer.
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize>;
 
+    /// The distance, to the bit, at which [`nearest`](Self::nearest) finds `object`, of which it is known
+    /// that it does. By default it looks once more; who has the object at hand asks only that one.
+    #[inline]
+    fn distance<P: Math>(&self, ray: &Ray, object: usize, first: usize) -> Option<f32> {
+        let mut nearest = *ray;
+        let found = self.nearest::<P>(&mut nearest, first, Candidates::ALL)?;
+        (found == object).then_some(nearest.t_max)
+    }
+
     /// Unit normal of the outward side where [`nearest`](Self::nearest) found `object` at `t`, and the
     /// object's material; `None` where there is no such object.
     fn surface<P: Math>(
@@ -248,6 +257,12 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
     }
 
     #[inline]
+    fn distance<P: Math>(&self, ray: &Ray, object: usize, first: usize) -> Option<f32> {
+        let shape = &self.get(object.wrapping_sub(first))?.shape;
+        shape.intersect::<P>(ray, &S::setup(ray), ray.leaves(object))
+    }
+
+    #[inline]
     fn surface<P: Math>(
         &self,
         ray: &Ray,
@@ -298,6 +313,16 @@ impl<A: Geometry, B: Geometry<Material = A::Material>> Geometry for (A, B) {
         let left = self.0.nearest::<P>(ray, first, among);
         let right = self.1.nearest::<P>(ray, first + self.0.len(), among);
         right.or(left)
+    }
+
+    #[inline(always)]
+    fn distance<P: Math>(&self, ray: &Ray, object: usize, first: usize) -> Option<f32> {
+        let right = first + self.0.len();
+        if object < right {
+            self.0.distance::<P>(ray, object, first)
+        } else {
+            self.1.distance::<P>(ray, object, right)
+        }
     }
 
     #[inline(always)]
@@ -354,6 +379,11 @@ impl<G: Geometry + ?Sized> Geometry for &G {
     #[inline(always)]
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize> {
         (**self).nearest::<P>(ray, first, among)
+    }
+
+    #[inline(always)]
+    fn distance<P: Math>(&self, ray: &Ray, object: usize, first: usize) -> Option<f32> {
+        (**self).distance::<P>(ray, object, first)
     }
 
     #[inline(always)]

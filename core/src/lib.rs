@@ -67,6 +67,7 @@ pub mod firmware {}
 pub mod geometry;
 pub mod grid;
 pub mod hierarchy;
+pub mod instance;
 pub mod material;
 pub mod math;
 pub mod maze;
@@ -84,6 +85,7 @@ pub use geometry::{Geometry, Object, Objects};
 pub use glam::Vec3;
 pub use grid::Grid;
 pub use hierarchy::{Hierarchy, Node};
+pub use instance::{Instance, Placement, PlacementError};
 pub use material::{Finish, Glass, Material, Mirror, Phong, PhongReal};
 pub use math::{Exact, Math, Micro};
 pub use maze::Maze;
