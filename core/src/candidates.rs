@@ -14,7 +14,7 @@ use glam::Vec3;
 use crate::camera::Rays;
 use crate::geometry::{Geometry, Object, any_absorbs, any_blocks, nearest_of};
 use crate::material::Finish;
-use crate::math::{self, Exact, Math, Transmittance, dot, length_squared};
+use crate::math::{self, Exact, Math, Passage, dot, length_squared};
 use crate::ray::Ray;
 use crate::scene::{Light, LightSource};
 use crate::shape::Shape;
@@ -285,23 +285,28 @@ impl<S: Shape, M, const N: usize> Geometry for Culled<'_, S, M, N> {
         self.0.as_slice().surface::<P>(ray, t, object, first)
     }
 
+    #[inline(always)]
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        self.0.as_slice().uv(point, object, first)
+    }
+
     #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
         any_blocks::<_, _, P>(self.0, self.among(among, first), ray, first)
     }
 
     #[inline]
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         among: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         M: Finish,
     {
-        any_absorbs::<_, _, P>(self.0, self.among(among, first), ray, first, light)
+        any_absorbs::<_, _, P, L>(self.0, self.among(among, first), ray, first, light)
     }
 }
 

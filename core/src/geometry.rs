@@ -4,8 +4,8 @@
 //! one. That is all a scene is made of; what its type does not name is not compiled.
 
 use crate::candidates::{Beam, Candidates};
-use crate::material::{Finish, Transmission};
-use crate::math::{self, Exact, Math, Transmittance, dot};
+use crate::material::{AttenuationBy, Finish, ShareOf};
+use crate::math::{self, Attenuation, Exact, Math, Passage, Weight, dot};
 use crate::ray::{Departure, Hit, Ray, Side};
 use crate::shape::Shape;
 use glam::Vec3;
@@ -86,17 +86,24 @@ pub trait Geometry {
     /// Whether the ray admits any point of any object.
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool;
 
-    /// Multiplies `light` by the transmittance of each surface at each point that the ray admits;
-    /// true as soon as one is opaque.
-    fn absorbs<P: Math>(
+    /// Takes from `light` what each surface takes at each point that the ray admits, and what objects absorb
+    /// between them; true as soon as nothing is left.
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         among: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         Self::Material: Finish;
+
+    /// As [`Shape::uv`] of an object; (0, 0), by default.
+    #[inline]
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        let _ = (point, object, first);
+        (0.0, 0.0)
+    }
 
     /// The nearest hit in the ray's open interval, by the [`Exact`] policy.
     ///
@@ -141,10 +148,10 @@ pub trait Geometry {
     }
 
     /// Share of light that passes along the ray, from 0 to 1: the product of the transmittance of all
-    /// surfaces in its open interval, each as often as it is crossed. Its bits do not depend on the
-    /// order of the objects.
+    /// surfaces in its open interval, each as often as it is crossed, and of what is absorbed between them.
+    /// Its bits do not depend on the order of the objects.
     #[inline]
-    fn transmittance(&self, ray: &Ray) -> f32
+    fn transmittance(&self, ray: &Ray) -> ShareOf<Self::Material>
     where
         Self::Material: Finish,
     {
@@ -153,15 +160,15 @@ pub trait Geometry {
 
     /// [`transmittance`](Self::transmittance) by a policy of choice, of the candidates.
     #[inline]
-    fn transmittance_by<P: Math>(&self, ray: &Ray, among: Candidates) -> f32
+    fn transmittance_by<P: Math>(&self, ray: &Ray, among: Candidates) -> ShareOf<Self::Material>
     where
         Self::Material: Finish,
     {
-        let mut light = Transmittance::default();
-        if self.absorbs::<P>(ray, 0, among, &mut light) {
-            0.0
+        let mut light = AttenuationBy::<Self::Material>::default();
+        if self.absorbs::<P, _>(ray, 0, among, &mut light) {
+            Weight::splat(0.0)
         } else {
-            light.product()
+            light.share()
         }
     }
 }
@@ -226,12 +233,12 @@ pub(crate) fn any_blocks<'o, 'm, S: Shape, M, P: Math>(
 
 /// [`Geometry::absorbs`] for some objects of a slice.
 #[inline(always)]
-pub(crate) fn any_absorbs<'o, 'm, S: Shape, M: Finish, P: Math>(
+pub(crate) fn any_absorbs<'o, 'm, S: Shape, M: Finish, P: Math, L: Passage>(
     all: &'o [Object<'m, S, M>],
     mut among: impl Iterator<Item = &'o Object<'m, S, M>>,
     ray: &Ray,
     first: usize,
-    light: &mut Transmittance,
+    light: &mut L,
 ) -> bool {
     let setup = S::setup(ray);
     let left = departure(all, ray, first);
@@ -239,7 +246,8 @@ pub(crate) fn any_absorbs<'o, 'm, S: Shape, M: Finish, P: Math>(
         math::keep_rolled();
         let leaving = leaves(left, object);
         let times = object.shape.crossings::<P>(ray, &setup, leaving);
-        light.ends(object.material.transmission().transmittance(), times)
+        let inside = || object.shape.inside::<P>(ray, &setup, leaving);
+        light.pass(object.material.transmission(), times, inside)
     })
 }
 
@@ -274,23 +282,31 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
         Some((object.shape.normal::<P>(ray, t), object.material))
     }
 
+    #[inline(always)]
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        match self.get(object.wrapping_sub(first)) {
+            Some(object) => object.shape.uv(point),
+            None => (0.0, 0.0),
+        }
+    }
+
     #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, _: Candidates) -> bool {
         any_blocks::<_, _, P>(self, self.iter(), ray, first)
     }
 
     #[inline]
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         _: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         M: Finish,
     {
-        any_absorbs::<_, _, P>(self, self.iter(), ray, first, light)
+        any_absorbs::<_, _, P, L>(self, self.iter(), ray, first, light)
     }
 }
 
@@ -342,24 +358,36 @@ impl<A: Geometry, B: Geometry<Material = A::Material>> Geometry for (A, B) {
     }
 
     #[inline(always)]
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        let right = first + self.0.len();
+        if object < right {
+            self.0.uv(point, object, first)
+        } else {
+            self.1.uv(point, object, right)
+        }
+    }
+
+    #[inline(always)]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
         self.0.blocks::<P>(ray, first, among)
             || self.1.blocks::<P>(ray, first + self.0.len(), among)
     }
 
     #[inline(always)]
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         among: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         A::Material: Finish,
     {
-        self.0.absorbs::<P>(ray, first, among, light)
-            || self.1.absorbs::<P>(ray, first + self.0.len(), among, light)
+        self.0.absorbs::<P, L>(ray, first, among, light)
+            || self
+                .1
+                .absorbs::<P, L>(ray, first + self.0.len(), among, light)
     }
 }
 
@@ -398,22 +426,27 @@ impl<G: Geometry + ?Sized> Geometry for &G {
     }
 
     #[inline(always)]
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        (**self).uv(point, object, first)
+    }
+
+    #[inline(always)]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
         (**self).blocks::<P>(ray, first, among)
     }
 
     #[inline(always)]
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         among: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         G::Material: Finish,
     {
-        (**self).absorbs::<P>(ray, first, among, light)
+        (**self).absorbs::<P, L>(ray, first, among, light)
     }
 }
 

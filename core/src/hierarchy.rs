@@ -38,8 +38,8 @@ use heapless::Vec;
 
 use crate::candidates::Candidates;
 use crate::geometry::{Geometry, Object};
-use crate::material::{Finish, Transmission};
-use crate::math::{self, Math, Transmittance, dot, length_squared};
+use crate::material::Finish;
+use crate::math::{self, Math, Passage, dot, length_squared};
 use crate::ray::{Departure, Ray, Side};
 use crate::shape::Shape;
 use crate::shape::cuboid::Cuboid;
@@ -587,6 +587,14 @@ impl<S: Shape, M, B: Bound<S>, const DEPTH: usize, I: Copy + Into<usize>> Geomet
     }
 
     #[inline]
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        match self.object(object.wrapping_sub(first)) {
+            Some(object) => object.shape.uv(point),
+            None => (0.0, 0.0),
+        }
+    }
+
+    #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, _: Candidates) -> bool {
         let setup = S::setup(ray);
         let left = self.left(ray, first);
@@ -614,12 +622,12 @@ impl<S: Shape, M, B: Bound<S>, const DEPTH: usize, I: Copy + Into<usize>> Geomet
     }
 
     #[inline]
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         _: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         M: Finish,
@@ -629,7 +637,8 @@ impl<S: Shape, M, B: Bound<S>, const DEPTH: usize, I: Copy + Into<usize>> Geomet
         // Whether all light ends at this object.
         let mut crosses = |object: &Object<'_, S, M>, leaving| {
             let times = object.shape.crossings::<P>(ray, &setup, leaving);
-            light.ends(object.material.transmission().transmittance(), times)
+            let inside = || object.shape.inside::<P>(ray, &setup, leaving);
+            light.pass(object.material.transmission(), times, inside)
         };
         if let Some((object, side)) = left
             && crosses(object, Some(side))

@@ -21,7 +21,7 @@ use glam::Vec3;
 use crate::candidates::Candidates;
 use crate::geometry::Geometry;
 use crate::material::Finish;
-use crate::math::{self, Math, Transmittance, dot, length_squared};
+use crate::math::{self, Math, Passage, Scaled, dot, length_squared};
 use crate::ray::Ray;
 
 /// From an object's space to the world: an affine map that can be undone.
@@ -302,25 +302,36 @@ impl<G: Geometry + ?Sized> Geometry for Instance<'_, G> {
     }
 
     #[inline]
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        let point = self.placement.turned(point - self.placement.translation);
+        self.geometry.uv(point, object, first)
+    }
+
+    #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, _: Candidates) -> bool {
         let local = self.placement.local::<P>(ray).ray;
         self.geometry.blocks::<P>(&local, first, Candidates::ALL)
     }
 
     #[inline]
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         _: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         G::Material: Finish,
     {
-        let local = self.placement.local::<P>(ray).ray;
+        let Local { ray: local, recip } = self.placement.local::<P>(ray);
+        let mut light = Scaled {
+            light,
+            factor: recip,
+        };
         let all = Candidates::ALL;
-        self.geometry.absorbs::<P>(&local, first, all, light)
+        self.geometry
+            .absorbs::<P, _>(&local, first, all, &mut light)
     }
 }
 
@@ -377,6 +388,14 @@ impl<G: Geometry + ?Sized> Geometry for [Instance<'_, G>] {
     }
 
     #[inline]
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        match holder(self, object, first) {
+            Some((instance, first)) => instance.uv(point, object, first),
+            None => (0.0, 0.0),
+        }
+    }
+
+    #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, mut first: usize, _: Candidates) -> bool {
         self.iter().any(|instance| {
             math::keep_rolled();
@@ -387,12 +406,12 @@ impl<G: Geometry + ?Sized> Geometry for [Instance<'_, G>] {
     }
 
     #[inline]
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         mut first: usize,
         _: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         G::Material: Finish,
@@ -401,7 +420,7 @@ impl<G: Geometry + ?Sized> Geometry for [Instance<'_, G>] {
             math::keep_rolled();
             let at = first;
             first += instance.len();
-            instance.absorbs::<P>(ray, at, Candidates::ALL, light)
+            instance.absorbs::<P, L>(ray, at, Candidates::ALL, light)
         })
     }
 }

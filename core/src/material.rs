@@ -5,20 +5,23 @@
 
 use glam::Vec3;
 
-use crate::math::Math;
+use crate::math::{Attenuation, Math, Transmittance, Transmittances, Weight, max_component};
+use crate::pattern::Pattern;
+use crate::ray::Side;
 
 /// The terms of Phong's and Whitted's lighting model that a scene's materials share.
 ///
 /// - `H`: `()` for no highlight, [`Phong`] or [`PhongReal`];
 /// - `R`: `()` for no mirror, or [`Mirror`];
-/// - `T`: `()` for opaque, or [`Glass`].
+/// - `T`: `()` for opaque, [`Glass`], [`Tinted`] or [`Absorbing`];
+/// - `C`: a color, or another [`Pattern`].
 ///
 /// B. T. Phong, "Illumination for Computer Generated Pictures", CACM 18(6), 1975; T. Whitted, "An
 /// Improved Illumination Model for Shaded Display", CACM 23(6), 1980.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material<H = (), R = (), T = ()> {
+pub struct Material<H = (), R = (), T = (), C = Vec3> {
     /// Linear RGB, each from 0 to 1.
-    pub color: Vec3,
+    pub color: C,
     /// Share of the scene's ambient light that is given back, from 0 to 1.
     pub ambient: f32,
     /// Share of a light that is scattered evenly, from 0 to 1.
@@ -31,9 +34,9 @@ pub struct Material<H = (), R = (), T = ()> {
     pub transmission: T,
 }
 
-impl Material {
+impl<C> Material<(), (), (), C> {
     /// A surface without highlight, mirror or transparency.
-    pub const fn matte(color: Vec3, ambient: f32, diffuse: f32) -> Self {
+    pub const fn matte(color: C, ambient: f32, diffuse: f32) -> Self {
         Self {
             color,
             ambient,
@@ -78,6 +81,32 @@ pub struct Glass {
     pub transmittance: f32,
     /// Index of refraction of what lies inside over that of what lies outside; above 0.
     pub ior: f32,
+}
+
+/// [`Glass`] that colors what passes its surface, also light on its way to what lies behind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tinted {
+    /// As [`Glass::transmittance`], of each channel.
+    pub tint: Vec3,
+    /// As [`Glass::ior`].
+    pub ior: f32,
+}
+
+/// [`Tinted`] glass that also weakens light on its way inside, by Beer's law.
+///
+/// A ray that leaves a surface into its inside travels there up to what it meets next; so does one that
+/// leaves no surface, a camera's, and meets one from inside. Of a medium in another one light counts where
+/// it travels in the inner one, and not from there to where it leaves the outer one. Shadow rays count all
+/// that lies in a shape's [inside](crate::Shape::inside), also where shapes overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Absorbing {
+    /// As [`Tinted::tint`].
+    pub tint: Vec3,
+    /// As [`Glass::ior`].
+    pub ior: f32,
+    /// How fast light of each channel weakens: `e^(-absorption·distance)` is left. One over a length in
+    /// world units, at least 0.
+    pub absorption: Vec3,
 }
 
 /// A highlight term of a [`Material`].
@@ -174,16 +203,90 @@ impl Reflection for Mirror {
 pub trait Transmission {
     /// Whether there is one.
     const TRANSMITS: bool;
+    /// What is left of light that passes.
+    type Attenuation: Attenuation;
+    /// What rays have to know of it while they are inside: `()`, or how it absorbs.
+    type Medium: Medium;
 
-    /// As [`Glass::transmittance`].
+    /// As [`Glass::transmittance`]; of the channels the greatest.
     fn transmittance(&self) -> f32;
+
+    /// As [`Tinted::tint`].
+    #[inline(always)]
+    fn tint(&self) -> Vec3 {
+        Vec3::splat(self.transmittance())
+    }
+
+    /// As [`Absorbing::absorption`].
+    #[inline(always)]
+    fn absorption(&self) -> Vec3 {
+        Vec3::ZERO
+    }
 
     /// As [`Glass::ior`].
     fn ior(&self) -> f32;
 }
 
+/// What a ray knows of what it is in.
+pub trait Medium: Copy {
+    /// Nothing that absorbs.
+    const EMPTY: Self;
+
+    /// What lies on a side of such a surface, as far as the surface tells.
+    fn beyond(side: Side, surface: &impl Transmission) -> Self;
+
+    /// Where nothing was known of it, what a surface tells that is met from that side.
+    fn at_hit(self, side: Side, surface: &impl Transmission) -> Self;
+
+    /// Weighs what arrives after a distance.
+    fn weigh<W: Weight>(self, share: W, distance: f32) -> W;
+}
+
+impl Medium for () {
+    const EMPTY: Self = ();
+
+    #[inline(always)]
+    fn beyond(_: Side, _: &impl Transmission) -> Self {}
+
+    #[inline(always)]
+    fn at_hit(self, _: Side, _: &impl Transmission) -> Self {}
+
+    #[inline(always)]
+    fn weigh<W: Weight>(self, share: W, _: f32) -> W {
+        share
+    }
+}
+
+impl Medium for Vec3 {
+    const EMPTY: Self = Vec3::ZERO;
+
+    #[inline(always)]
+    fn beyond(side: Side, surface: &impl Transmission) -> Self {
+        match side {
+            Side::Inside => surface.absorption(),
+            Side::Outside => Self::EMPTY,
+        }
+    }
+
+    #[inline(always)]
+    fn at_hit(self, side: Side, surface: &impl Transmission) -> Self {
+        if self == Self::EMPTY {
+            Self::beyond(side, surface)
+        } else {
+            self
+        }
+    }
+
+    #[inline]
+    fn weigh<W: Weight>(self, share: W, distance: f32) -> W {
+        share * W::absorbed(self, distance)
+    }
+}
+
 impl Transmission for () {
     const TRANSMITS: bool = false;
+    type Attenuation = Transmittance;
+    type Medium = ();
 
     #[inline(always)]
     fn transmittance(&self) -> f32 {
@@ -198,6 +301,8 @@ impl Transmission for () {
 
 impl Transmission for Glass {
     const TRANSMITS: bool = true;
+    type Attenuation = Transmittance;
+    type Medium = ();
 
     #[inline(always)]
     fn transmittance(&self) -> f32 {
@@ -210,8 +315,66 @@ impl Transmission for Glass {
     }
 }
 
+impl Transmission for Tinted {
+    const TRANSMITS: bool = true;
+    type Attenuation = Transmittances;
+    type Medium = ();
+
+    #[inline(always)]
+    fn transmittance(&self) -> f32 {
+        max_component(self.tint)
+    }
+
+    #[inline(always)]
+    fn tint(&self) -> Vec3 {
+        self.tint
+    }
+
+    #[inline(always)]
+    fn ior(&self) -> f32 {
+        self.ior
+    }
+}
+
+impl Transmission for Absorbing {
+    const TRANSMITS: bool = true;
+    type Attenuation = Transmittances;
+    type Medium = Vec3;
+
+    #[inline(always)]
+    fn transmittance(&self) -> f32 {
+        max_component(self.tint)
+    }
+
+    #[inline(always)]
+    fn tint(&self) -> Vec3 {
+        self.tint
+    }
+
+    #[inline(always)]
+    fn absorption(&self) -> Vec3 {
+        self.absorption
+    }
+
+    #[inline(always)]
+    fn ior(&self) -> f32 {
+        self.ior
+    }
+}
+
+/// What shadow rays gather on their way through objects of a material.
+pub type AttenuationBy<M> = <<M as Finish>::Transmission as Transmission>::Attenuation;
+
+/// What rays know of the inside of objects of a material.
+pub type MediumOf<M> = <<M as Finish>::Transmission as Transmission>::Medium;
+
+/// What weighs light that objects of a material let through.
+pub type ShareOf<M> = <AttenuationBy<M> as Attenuation>::Share;
+
 /// What tracing asks of a material. [`Material`] answers it; a firmware's own type may as well.
 pub trait Finish {
+    /// Its color.
+    type Color: Pattern;
     /// Its highlight.
     type Highlight: Highlight;
     /// Its mirror.
@@ -220,7 +383,7 @@ pub trait Finish {
     type Transmission: Transmission;
 
     /// As [`Material::color`].
-    fn color(&self) -> Vec3;
+    fn color(&self) -> &Self::Color;
     /// As [`Material::ambient`].
     fn ambient(&self) -> f32;
     /// As [`Material::diffuse`].
@@ -233,14 +396,15 @@ pub trait Finish {
     fn transmission(&self) -> &Self::Transmission;
 }
 
-impl<H: Highlight, R: Reflection, T: Transmission> Finish for Material<H, R, T> {
+impl<H: Highlight, R: Reflection, T: Transmission, C: Pattern> Finish for Material<H, R, T, C> {
+    type Color = C;
     type Highlight = H;
     type Reflection = R;
     type Transmission = T;
 
     #[inline(always)]
-    fn color(&self) -> Vec3 {
-        self.color
+    fn color(&self) -> &C {
+        &self.color
     }
 
     #[inline(always)]

@@ -4,8 +4,12 @@
 //! in a fixed order, never contracted. [`Micro`] is micromath's approximations for firmware that
 //! wants speed before accuracy; a program names one by type, so that both can be in one binary.
 
+use core::ops::{Add, Mul};
+
 use glam::Vec3;
 use micromath::F32Ext;
+
+use crate::material::Transmission;
 
 /// How roots and powers are computed.
 pub trait Math: 'static {
@@ -262,6 +266,16 @@ impl Transmittance {
         times > 0 && !(factor > 0.0)
     }
 
+    /// Weakens light by `e` to the power of minus `depth`, as Beer's law has it.
+    #[inline]
+    fn absorb(&mut self, depth: f32) {
+        // Also false for NaN.
+        if depth > 0.0 {
+            let depth = (depth * (LOG2_E * 16_777_216.0)) as u32;
+            self.0 = self.0.saturating_add(depth);
+        }
+    }
+
     /// The product, from 0 to 1. Relative error 2e-7 and 2^-25 for each factor; zero below 2^-126.
     #[inline]
     pub fn product(self) -> f32 {
@@ -273,6 +287,199 @@ impl Transmittance {
         let fraction = (self.0 & 0x00ff_ffff) as f32 / 16_777_216.0;
         // A sum so large that adding its parts rounds is a product that no picture shows.
         exp2(-(whole + fraction))
+    }
+}
+
+const LOG2_E: f32 = core::f32::consts::LOG2_E;
+
+/// What is left of light after `distance` in a medium: Beer's law, `e^(-absorption·distance)`, a channel
+/// each; 1 where nothing is absorbed, over no matter what distance. Relative error 1e-6 where more than
+/// 1/1000 is left.
+#[inline]
+pub(crate) fn beer(absorption: Vec3, distance: f32) -> Vec3 {
+    absorption.map(|rate| {
+        let depth = rate * distance;
+        // Also false for NaN: what absorbs nothing over an infinite distance.
+        if depth > 0.0 {
+            exp2(-LOG2_E * depth)
+        } else {
+            1.0
+        }
+    })
+}
+
+/// What weighs light on its way: one number, or one for each channel.
+pub trait Weight: Copy + Add<Output = Self> + Mul<Output = Self> {
+    /// The same for each channel.
+    fn splat(share: f32) -> Self;
+    /// What a surface lets through.
+    fn through(surface: &impl Transmission) -> Self;
+    /// What is left after a distance, by Beer's law, where all that absorbs has a color.
+    fn absorbed(absorption: Vec3, distance: f32) -> Self;
+    /// A share of it.
+    fn scaled(self, share: f32) -> Self;
+    /// Light, weighed.
+    fn weigh(self, light: Vec3) -> Vec3;
+    /// Whether any channel is above a bound; not where it is NaN.
+    fn exceeds(self, bound: f32) -> bool;
+}
+
+impl Weight for f32 {
+    #[inline(always)]
+    fn splat(share: f32) -> Self {
+        share
+    }
+
+    #[inline(always)]
+    fn through(surface: &impl Transmission) -> Self {
+        surface.transmittance()
+    }
+
+    #[inline(always)]
+    fn absorbed(_: Vec3, _: f32) -> Self {
+        1.0
+    }
+
+    #[inline(always)]
+    fn scaled(self, share: f32) -> Self {
+        share * self
+    }
+
+    #[inline(always)]
+    fn weigh(self, light: Vec3) -> Vec3 {
+        light * self
+    }
+
+    #[inline(always)]
+    fn exceeds(self, bound: f32) -> bool {
+        self > bound
+    }
+}
+
+impl Weight for Vec3 {
+    #[inline(always)]
+    fn splat(share: f32) -> Self {
+        Vec3::splat(share)
+    }
+
+    #[inline(always)]
+    fn through(surface: &impl Transmission) -> Self {
+        surface.tint()
+    }
+
+    #[inline(always)]
+    fn absorbed(absorption: Vec3, distance: f32) -> Self {
+        beer(absorption, distance)
+    }
+
+    #[inline(always)]
+    fn scaled(self, share: f32) -> Self {
+        share * self
+    }
+
+    #[inline(always)]
+    fn weigh(self, light: Vec3) -> Vec3 {
+        light * self
+    }
+
+    #[inline(always)]
+    fn exceeds(self, bound: f32) -> bool {
+        self.x > bound || self.y > bound || self.z > bound
+    }
+}
+
+/// Light on its way through objects.
+pub trait Passage {
+    /// Crosses a surface of this kind `times` times, and so much of what it encloses as `inside` tells, where
+    /// that matters. True as soon as nothing is left.
+    fn pass(
+        &mut self,
+        surface: &impl Transmission,
+        times: u32,
+        inside: impl FnOnce() -> f32,
+    ) -> bool;
+}
+
+/// What is left of light that passes through objects, whatever their order: [`Transmittance`], or
+/// [`Transmittances`] where they have colors.
+pub trait Attenuation: Passage + Default {
+    /// How much that is.
+    type Share: Weight;
+
+    /// What is left, each channel from 0 to 1.
+    fn share(self) -> Self::Share;
+}
+
+impl Passage for Transmittance {
+    #[inline(always)]
+    fn pass(&mut self, surface: &impl Transmission, times: u32, _: impl FnOnce() -> f32) -> bool {
+        self.ends(surface.transmittance(), times)
+    }
+}
+
+impl Attenuation for Transmittance {
+    type Share = f32;
+
+    #[inline(always)]
+    fn share(self) -> f32 {
+        self.product()
+    }
+}
+
+/// [`Transmittance`] of each channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Transmittances([Transmittance; 3]);
+
+impl Passage for Transmittances {
+    #[inline]
+    fn pass(
+        &mut self,
+        surface: &impl Transmission,
+        times: u32,
+        inside: impl FnOnce() -> f32,
+    ) -> bool {
+        if times > 0 {
+            let tint = surface.tint().to_array();
+            for (channel, factor) in self.0.iter_mut().zip(tint) {
+                channel.cross(factor, times);
+            }
+        }
+        let absorption = surface.absorption();
+        if absorption != Vec3::ZERO {
+            let distance = inside();
+            for (channel, rate) in self.0.iter_mut().zip(absorption.to_array()) {
+                channel.absorb(rate * distance);
+            }
+        }
+        self.0 == [Transmittance(u32::MAX); 3]
+    }
+}
+
+impl Attenuation for Transmittances {
+    type Share = Vec3;
+
+    #[inline]
+    fn share(self) -> Vec3 {
+        Vec3::from_array(self.0.map(Transmittance::product))
+    }
+}
+
+/// A [`Passage`] through a space in which lengths are others.
+pub(crate) struct Scaled<'a, L> {
+    pub(crate) light: &'a mut L,
+    /// A length outside over the same inside.
+    pub(crate) factor: f32,
+}
+
+impl<L: Passage> Passage for Scaled<'_, L> {
+    #[inline(always)]
+    fn pass(
+        &mut self,
+        surface: &impl Transmission,
+        times: u32,
+        inside: impl FnOnce() -> f32,
+    ) -> bool {
+        self.light.pass(surface, times, || inside() * self.factor)
     }
 }
 

@@ -5,8 +5,8 @@ use glam::Vec3;
 use crate::candidates::Candidates;
 use crate::geometry::Geometry;
 use crate::grid::{Face, Grid};
-use crate::material::{Finish, Material, Transmission};
-use crate::math::{Math, Transmittance};
+use crate::material::{Finish, Material};
+use crate::math::{Math, Passage};
 use crate::ray::{Departure, Ray};
 
 /// The walls of a map, from its floor at y = 0 to its ceiling at y = 1.
@@ -176,19 +176,19 @@ impl<M> Geometry for Maze<'_, M> {
     }
 
     #[inline]
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         _: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         M: Finish,
     {
         let mut is_opaque = false;
         self.visit(ray, first, |_, _, material| {
-            is_opaque = light.ends(material.transmission().transmittance(), 1);
+            is_opaque = light.pass(material.transmission(), 1, || 0.0);
             is_opaque
         });
         is_opaque

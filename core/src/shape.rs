@@ -3,11 +3,12 @@
 use glam::Vec3;
 
 use crate::candidates::Beam;
-use crate::math::Math;
+use crate::math::{self, Math};
 use crate::ray::{Ray, Side};
 
 pub mod cuboid;
 pub mod frustum;
+mod mapping;
 pub mod patch;
 pub mod plane;
 pub mod polygon;
@@ -83,6 +84,35 @@ pub trait Shape {
         false
     }
 
+    /// How far the ray goes inside, between its origin and its end, which is in world units: for media that
+    /// absorb light. 0, by default: what encloses nothing has no inside, nor has a shape of which only the
+    /// inside is visible.
+    #[inline]
+    fn inside<P: Math>(&self, ray: &Ray, setup: &Self::Setup, leaving: Option<Side>) -> f32 {
+        let _ = (ray, setup, leaving);
+        0.0
+    }
+
+    /// Coordinates of a point of the surface, for images: u to the right and v upwards, for who looks from
+    /// outside. Each shape says in which units. (0, 0), by default.
+    #[inline]
+    fn uv(&self, point: Vec3) -> (f32, f32) {
+        let _ = point;
+        (0.0, 0.0)
+    }
+
     /// Unit normal of the outward side, where [`intersect`](Self::intersect) put this ray's hit.
     fn normal<P: Math>(&self, ray: &Ray, t: f32) -> Vec3;
+}
+
+/// How much of what a ray goes through from `entry` to `exit` lies before its end and not behind it; 0 for
+/// NaN.
+#[inline]
+fn within(ray: &Ray, entry: f32, exit: f32) -> f32 {
+    if !(entry <= exit) {
+        return 0.0;
+    }
+    let start = if entry > 0.0 { entry } else { 0.0 };
+    let end = if exit < ray.t_max { exit } else { ray.t_max };
+    math::positive(end - start)
 }

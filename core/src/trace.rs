@@ -17,8 +17,9 @@ use heapless::Vec;
 
 use crate::candidates::Candidates;
 use crate::geometry::Geometry;
-use crate::material::{Finish, Highlight, Reflection, Transmission};
-use crate::math::{self, Exact, Math, dot, length_squared};
+use crate::material::{Finish, Highlight, Medium, MediumOf, Reflection, ShareOf, Transmission};
+use crate::math::{self, Exact, Math, Weight, dot, length_squared};
+use crate::pattern::{Pattern, Spot};
 use crate::ray::{Departure, Hit, Ray};
 use crate::scene::{LightSource, Scene};
 
@@ -139,17 +140,19 @@ impl<const DEPTH: usize, P: Math, C> Tracer<DEPTH, P, C> {
 
 /// A ray from a surface, yet to be traced. What all such rays have in common takes no room.
 #[derive(Clone, Copy)]
-struct Path {
+struct Path<W, I> {
     origin: Vec3,
     direction: Vec3,
     departure: Departure,
     /// What it brings is weighed by this.
-    throughput: f32,
+    throughput: W,
+    /// What it goes through.
+    medium: I,
     /// How many rays lie between the eye and its end.
     depth: usize,
 }
 
-impl Path {
+impl<W, I> Path<W, I> {
     #[inline(always)]
     fn ray(&self) -> Ray {
         Ray {
@@ -157,6 +160,32 @@ impl Path {
             ..Ray::new(self.origin, self.direction)
         }
     }
+}
+
+/// The mirrored and the refracted ray.
+type Children<M> = (Option<PathIn<M>>, Option<PathIn<M>>);
+
+/// A path among objects of a material.
+type PathIn<M> = Path<ShareOf<M>, MediumOf<M>>;
+
+/// Looks at the color where a ray hits something.
+#[inline(always)]
+fn look<G, L>(
+    scene: &Scene<'_, G, L>,
+    hit: &Hit<'_, G::Material>,
+) -> <<G::Material as Finish>::Color as Pattern>::Look
+where
+    G: Geometry<Material: Finish>,
+{
+    hit.material.color().look(|mapped| Spot {
+        point: hit.point,
+        outward: if hit.front { hit.normal } else { -hit.normal },
+        uv: if mapped {
+            scene.geometry.uv(hit.point, hit.object, 0)
+        } else {
+            (0.0, 0.0)
+        },
+    })
 }
 
 impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
@@ -185,17 +214,22 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
         let mut radiance = Vec3::ZERO;
         // Of two children one is followed in place and one waits. A depth leaves at most one waiting
         // ray, and the deepest has no children, so that DEPTH entries always suffice.
-        let mut waiting = Vec::<Path, DEPTH>::new();
-        let (mut ray, mut among, mut throughput, mut depth) = (ray, among, 1.0, 1);
+        let mut waiting = Vec::<PathIn<G::Material>, DEPTH>::new();
+        let (mut ray, mut among, mut depth) = (ray, among, 1);
+        let mut throughput = ShareOf::<G::Material>::splat(1.0);
+        let mut medium = MediumOf::<G::Material>::EMPTY;
         // A path ends within `depth` rays, and each ray has at most two children.
         loop {
             let (reflected, refracted) = match scene.geometry.closest_hit_by::<P>(&ray, among) {
                 None => {
-                    radiance += scene.background * throughput;
+                    throughput = medium.weigh(throughput, f32::INFINITY);
+                    radiance += throughput.weigh(scene.background);
                     (None, None)
                 }
                 Some(hit) => {
                     self.counters.count(Event::Hit);
+                    medium = medium.at_hit(hit.near_side(), hit.material.transmission());
+                    throughput = medium.weigh(throughput, hit.t);
                     let mirrored = math::mirror(ray.direction, hit.normal);
                     radiance += self.direct(scene, &hit, mirrored, throughput);
                     self.children(&hit, ray.direction, mirrored, throughput, depth)
@@ -215,6 +249,7 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 },
             };
             (ray, throughput, depth) = (path.ray(), path.throughput, path.depth);
+            medium = path.medium;
             // Of rays that leave surfaces nothing is known.
             among = Candidates::ALL;
         }
@@ -227,14 +262,16 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
         scene: &Scene<'_, G, L>,
         hit: &Hit<'_, G::Material>,
         mirrored: Vec3,
-        throughput: f32,
+        throughput: ShareOf<G::Material>,
     ) -> Vec3
     where
         G: Geometry<Material: Finish>,
         L: LightSource,
     {
         let material = hit.material;
-        let mut light = material.color() * scene.ambient * (material.ambient() * throughput);
+        let color = look(scene, hit);
+        let share = throughput.scaled(material.ambient());
+        let mut light = share.weigh(material.color().seen(color) * scene.ambient);
         for source in scene.lights {
             let to_light = source.position() - hit.point;
             let height = dot(&hit.normal, &to_light);
@@ -246,14 +283,14 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
             let direction = to_light * recip;
             // No shadow ray for what cannot be seen, and no power for what lies in shadow.
             let cos = dot(&mirrored, &direction);
-            let weight = source.color() * throughput;
+            let weight = throughput.weigh(source.color());
             let diffuse = material.diffuse() * (height * recip);
             // A bound from scalars: see `threshold`.
             let most = (diffuse + material.highlight().peak(cos)) * weight.element_sum();
             if !(most > self.threshold) {
                 continue;
             }
-            let mut passed = 1.0;
+            let mut passed = ShareOf::<G::Material>::splat(1.0);
             if source.casts_shadows() {
                 self.counters.count(Event::Shadow);
                 let mut shadow = hit.back(direction);
@@ -267,17 +304,17 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 if <G::Material as Finish>::Transmission::TRANSMITS {
                     passed = scene.geometry.transmittance_by::<P>(&shadow, among);
                 } else if scene.geometry.blocks::<P>(&shadow, 0, among) {
-                    passed = 0.0;
+                    passed = Weight::splat(0.0);
                 }
-                if !(passed > 0.0) {
+                if !passed.exceeds(0.0) {
                     continue;
                 }
             }
-            let mut term = material.color() * diffuse;
+            let mut term = material.color().seen(color) * diffuse;
             if <G::Material as Finish>::Highlight::SHINES {
                 term += Vec3::splat(material.highlight().brightness::<P>(cos));
             }
-            light += term * weight * passed;
+            light += passed.weigh(term * weight);
         }
         light
     }
@@ -289,18 +326,18 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
         hit: &Hit<'_, M>,
         direction: Vec3,
         mirrored: Vec3,
-        throughput: f32,
+        throughput: ShareOf<M>,
         depth: usize,
-    ) -> (Option<Path>, Option<Path>) {
+    ) -> Children<M> {
         if !(M::Reflection::REFLECTS || M::Transmission::TRANSMITS)
             || depth >= self.depth
             || depth >= DEPTH
         {
             return (None, None);
         }
-        let child = |direction, side, share| {
+        let child = |direction, side, share: ShareOf<M>| {
             let throughput = throughput * share;
-            (throughput > self.threshold).then_some(Path {
+            throughput.exceeds(self.threshold).then_some(Path {
                 origin: hit.point,
                 direction,
                 departure: Departure {
@@ -308,16 +345,17 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                     side,
                 },
                 throughput,
+                medium: MediumOf::<M>::beyond(side, hit.material.transmission()),
                 depth: depth + 1,
             })
         };
-        let mut reflectance = hit.material.reflection().reflectance();
+        let mut reflectance = ShareOf::<M>::splat(hit.material.reflection().reflectance());
         let mut refracted = None;
         if M::Transmission::TRANSMITS {
             let glass = hit.material.transmission();
-            let transmittance = glass.transmittance();
+            let transmittance = ShareOf::<M>::through(glass);
             // Also where refracted light would weigh too little: all of it may be mirrored.
-            if transmittance > 0.0 {
+            if transmittance.exceeds(0.0) {
                 let eta = if hit.front {
                     1.0 / glass.ior()
                 } else {
@@ -326,7 +364,7 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 match math::refract::<P>(direction, hit.normal, eta) {
                     Some(bent) => refracted = child(bent, hit.far_side(), transmittance),
                     // Total internal reflection.
-                    None => reflectance += transmittance,
+                    None => reflectance = reflectance + transmittance,
                 }
             }
         }

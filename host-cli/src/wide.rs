@@ -79,7 +79,7 @@ use core::any::TypeId;
 use fearless_simd::Level;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::x86::{Avx2, Avx512, Sse2};
-use whitted::math::Transmittance;
+use whitted::math::Passage;
 use whitted::{Candidates, Exact, Finish, Geometry, Math, Ray, Vec3};
 
 pub use parts::{Kinds, Slice};
@@ -303,13 +303,13 @@ impl<M> Wide<'_, M> {
 
     /// What these objects take of a light; true where that is all.
     #[inline(never)]
-    fn absorbs_apart(&self, ray: &Ray, first: usize, left: u32, light: &mut Transmittance) -> bool
+    fn absorbs_apart<L: Passage>(&self, ray: &Ray, first: usize, left: u32, light: &mut L) -> bool
     where
         M: Finish,
     {
         let parts = &self.parts;
         self.apart(left)
-            .any(|object| parts.absorbs::<Exact>(ray, object as usize, first, light))
+            .any(|object| parts.absorbs::<Exact, L>(ray, object as usize, first, light))
     }
 }
 
@@ -360,20 +360,20 @@ impl<M: Finish> Geometry for Wide<'_, M> {
     }
 
     #[inline]
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         among: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool {
         if !self.takes::<P>(ray) {
-            return self.parts.kinds.absorbs::<P>(ray, first, among, light);
+            return self.parts.kinds.absorbs::<P, L>(ray, first, among, light);
         }
         let left = self.left(ray, first);
         self.has_apart(left) && self.absorbs_apart(ray, first, left, light)
             || self.tree.absorbs(self.search, ray, left, &mut |object| {
-                (self.parts).absorbs_met::<P>(ray, object as usize, first, light)
+                (self.parts).absorbs_met::<P, L>(ray, object as usize, first, light)
             })
     }
 }

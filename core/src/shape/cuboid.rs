@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::Shape;
+use super::{Shape, within};
 use crate::math::Math;
 use crate::ray::{Ray, Side};
 
@@ -132,6 +132,37 @@ impl Shape for Cuboid {
                 (leaving.is_none() && ray.admits(entry)) as u32 + ray.admits(exit) as u32
             }
             None => 0,
+        }
+    }
+
+    #[inline]
+    fn inside<P: Math>(&self, ray: &Ray, reciprocal: &Vec3, leaving: Option<Side>) -> f32 {
+        if leaving == Some(Side::Outside) {
+            return 0.0;
+        }
+        match self.roots(ray, reciprocal) {
+            Some((entry, exit)) => within(ray, entry, exit),
+            None => 0.0,
+        }
+    }
+
+    /// From 0 to 1 across the face that is met, y being upwards; of the upper and the lower one, -z and +z.
+    #[inline]
+    fn uv(&self, point: Vec3) -> (f32, f32) {
+        let size = self.max - self.min;
+        let from_min = (point - self.min) / size;
+        let from_max = Vec3::ONE - from_min;
+        let off = (from_min - Vec3::splat(0.5)).to_array();
+        let [x, y, z] = off.map(f32::abs);
+        if x >= y && x >= z {
+            let u = if off[0] > 0.0 { from_max.z } else { from_min.z };
+            (u, from_min.y)
+        } else if y >= z {
+            let v = if off[1] > 0.0 { from_max.z } else { from_min.z };
+            (from_min.x, v)
+        } else {
+            let u = if off[2] > 0.0 { from_min.x } else { from_max.x };
+            (u, from_min.y)
         }
     }
 

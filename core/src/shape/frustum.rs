@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::Shape;
+use super::{Shape, mapping};
 use crate::math::{self, Math, dot, length_squared};
 use crate::ray::{Ray, Side};
 
@@ -191,6 +191,14 @@ impl Shape for Frustum {
     fn crossings<P: Math>(&self, ray: &Ray, _: &(), leaving: Option<Side>) -> u32 {
         let (entry, exit) = self.roots::<P>(ray, leaving);
         entry.is_some_and(|t| ray.admits(t)) as u32 + exit.is_some_and(|t| ray.admits(t)) as u32
+    }
+
+    /// The angle about the axis, and the share of the height, each from 0 to 1.
+    #[inline]
+    fn uv(&self, point: Vec3) -> (f32, f32) {
+        let from_base = point - self.base;
+        let (u, _) = mapping::around(from_base, self.axis);
+        (u, dot(&from_base, &self.axis) / self.length)
     }
 
     #[inline]

@@ -4,9 +4,9 @@ use core::fmt;
 
 use glam::{Vec2, Vec3};
 
-use super::Shape;
 use super::polygon::{Axis, PolygonError, newell, x, y};
 use super::triangle;
+use super::{Shape, mapping};
 use crate::math::{self, Math, length_squared};
 use crate::ray::{Ray, Side};
 
@@ -92,6 +92,12 @@ impl Shape for Patch {
             return None;
         }
         triangle::intersect(ray, axis, &self.vertices, self.normal)
+    }
+
+    /// How much of the second and of the third vertex is in the point.
+    #[inline]
+    fn uv(&self, point: Vec3) -> (f32, f32) {
+        mapping::barycentric(&self.vertices, point)
     }
 
     #[inline]

@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::Shape;
+use super::{Shape, mapping, within};
 use crate::math::{self, Math, dot};
 use crate::ray::{Ray, Side};
 
@@ -90,6 +90,34 @@ impl Shape for Plane {
             return None;
         }
         distance(ray, approach(ray, self.point, self.normal))
+    }
+
+    /// The outward side is that of the normal; all beyond is inside.
+    #[inline]
+    fn inside<P: Math>(&self, ray: &Ray, _: &(), leaving: Option<Side>) -> f32 {
+        match leaving {
+            Some(Side::Inside) => ray.t_max,
+            Some(Side::Outside) => 0.0,
+            None => {
+                let (height, rate) = approach(ray, self.point, self.normal);
+                let t = height / rate;
+                if rate < 0.0 {
+                    within(ray, t, f32::INFINITY)
+                } else if rate > 0.0 {
+                    within(ray, 0.0, t)
+                } else if height > 0.0 {
+                    ray.t_max
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+
+    /// From [`Plane::point`] in world units: u along the level direction, v along what is upwards, or along -z.
+    #[inline]
+    fn uv(&self, point: Vec3) -> (f32, f32) {
+        mapping::flat(point - self.point, self.normal)
     }
 
     #[inline(always)]

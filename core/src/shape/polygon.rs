@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::{Shape, plane};
+use super::{Shape, mapping, plane};
 use crate::math::{self, Math};
 use crate::ray::{Ray, Side};
 
@@ -300,6 +300,15 @@ impl Shape for Polygon<'_> {
             distance(ray, axis, self.vertices, self.normal)
         } else {
             None
+        }
+    }
+
+    /// From the first vertex in world units: u along the level direction, v along what is upwards, or along -z.
+    #[inline]
+    fn uv(&self, point: Vec3) -> (f32, f32) {
+        match self.vertices.first() {
+            Some(&first) => mapping::flat(point - first, self.normal),
+            None => (0.0, 0.0),
         }
     }
 

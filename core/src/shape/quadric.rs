@@ -4,8 +4,8 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::Shape;
 use super::cuboid::slab;
+use super::{Shape, mapping, within};
 use crate::math::{self, Math, dot, length_squared};
 use crate::ray::{Ray, Side};
 
@@ -562,6 +562,41 @@ impl Shape for Quadric {
     fn crossings<P: Math>(&self, ray: &Ray, reciprocal: &Vec3, leaving: Option<Side>) -> u32 {
         let met = self.meets::<P>(ray, reciprocal, leaving);
         met.iter().filter(|&&t| ray.admits(t)).count() as u32
+    }
+
+    /// Through a clip without faces light enters and leaves unnoticed: inside is what lies between two points
+    /// that are met.
+    #[inline]
+    fn inside<P: Math>(&self, ray: &Ray, reciprocal: &Vec3, leaving: Option<Side>) -> f32 {
+        let [b0, e0, b1, e1] = self.meets::<P>(ray, reciprocal, leaving);
+        within(ray, b0, e0) + within(ray, b1, e1)
+    }
+
+    /// The angle about the clip's axis, or y where it has none, from 0 to 1, and the height along it: from 0 to
+    /// 1 between the planes, or between the faces of the box if the axis is y; else in world units.
+    #[inline]
+    fn uv(&self, point: Vec3) -> (f32, f32) {
+        let Clip {
+            min,
+            max,
+            axis,
+            from,
+            to,
+        } = self.clip;
+        let q = point - self.center;
+        let (axis, from, to) = if axis == Vec3::ZERO {
+            (Vec3::Y, min.y, max.y)
+        } else {
+            (axis, from, to)
+        };
+        let height = dot(&q, &axis);
+        let share = (height - from) / (to - from);
+        let v = if (to - from).is_finite() {
+            share
+        } else {
+            height
+        };
+        (mapping::around(q, axis).0, v)
     }
 
     #[inline]

@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::Shape;
+use super::{Shape, mapping, within};
 use crate::candidates::Beam;
 use crate::math::{Math, dot, length_squared};
 use crate::ray::{Ray, Side};
@@ -138,6 +138,30 @@ impl Shape for Sphere {
     #[inline]
     fn is_missed(&self, beam: &Beam) -> bool {
         beam.misses(self)
+    }
+
+    #[inline]
+    fn inside<P: Math>(&self, ray: &Ray, _: &(), leaving: Option<Side>) -> f32 {
+        if let Some(side) = leaving {
+            // Of a hollow one the inside is the outward side.
+            let chord = 2.0 * dot(&(self.center - ray.origin), &ray.direction);
+            let enters = side == Side::Inside && self.shows_outside();
+            return if enters { within(ray, 0.0, chord) } else { 0.0 };
+        }
+        match self.roots::<P>(ray) {
+            Some((entry, exit)) if self.shows_outside() => within(ray, entry, exit),
+            _ => 0.0,
+        }
+    }
+
+    /// Longitude and latitude, each from 0 to 1: u is 1/2 towards +z and grows towards +x, v from the pole at
+    /// -y to that at +y.
+    #[inline]
+    fn uv(&self, point: Vec3) -> (f32, f32) {
+        let outward = point - self.center;
+        let (u, across) = mapping::around(outward, Vec3::Y);
+        // From pole to pole it is half a turn.
+        (u, 2.0 * mapping::turn(outward.y, across) - 0.5)
     }
 
     #[inline(always)]

@@ -4,8 +4,8 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::Shape;
 use super::cuboid::slab;
+use super::{Shape, mapping, within};
 use crate::math::{self, Math};
 use crate::ray::{Ray, Side};
 
@@ -315,6 +315,31 @@ impl Shape for Torus {
             count += ray.admits(t) as u32;
         }
         count
+    }
+
+    #[inline]
+    fn inside<P: Math>(&self, ray: &Ray, _: &(), leaving: Option<Side>) -> f32 {
+        let Some(mut walk) = self.walk::<P>(ray, leaving) else {
+            return 0.0;
+        };
+        let (mut sum, mut entry) = (0.0, if walk.outside { ray.t_max } else { 0.0 });
+        while let Some(t) = walk.next::<P>() {
+            if walk.outside {
+                sum += within(ray, entry, t);
+                entry = ray.t_max;
+            } else {
+                entry = t;
+            }
+        }
+        sum + within(ray, entry, ray.t_max)
+    }
+
+    /// The angle about the axis, and that about the circle, each from 0 to 1; v is 1/2 farthest from the axis.
+    #[inline]
+    fn uv(&self, point: Vec3) -> (f32, f32) {
+        let q = point - self.center;
+        let (u, across) = mapping::around(q, self.axis);
+        (u, mapping::turn(q.dot(self.axis), across - self.major))
     }
 
     #[inline]

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::Shape;
 use super::polygon::{Axis, PolygonError, crosses, differ, distance, newell, x, y};
+use super::{Shape, mapping};
 use crate::math::Math;
 use crate::ray::{Ray, Side};
 
@@ -81,6 +81,12 @@ impl Shape for Triangle {
             return None;
         }
         intersect(ray, axis, &self.vertices, self.normal)
+    }
+
+    /// How much of the second and of the third vertex is in the point.
+    #[inline]
+    fn uv(&self, point: Vec3) -> (f32, f32) {
+        mapping::barycentric(&self.vertices, point)
     }
 
     #[inline(always)]

@@ -332,14 +332,14 @@ pub fn transmittance<S: Simd, V: Lanes<S>, M: Finish, const N: usize>(
             for lane in Set(met & open) {
                 let ray = beams.ray(lane);
                 dimmed |= 1 << lane;
-                if parts.absorbs_met::<Exact>(&ray, place, 0, &mut light[lane]) {
+                if parts.absorbs_met::<Exact, _>(&ray, place, 0, &mut light[lane]) {
                     open &= !(1 << lane);
                 }
             }
             for lane in Set(apart & open) {
                 let ray = beams.ray(lane);
                 dimmed |= 1 << lane;
-                if parts.absorbs::<Exact>(&ray, place, 0, &mut light[lane]) {
+                if parts.absorbs::<Exact, _>(&ray, place, 0, &mut light[lane]) {
                     open &= !(1 << lane);
                 }
             }

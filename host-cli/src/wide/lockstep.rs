@@ -607,7 +607,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 dark,
                 occluder,
                 absorb: |ray: &Ray, object: u32, light: &mut Transmittance| {
-                    parts.absorbs_met::<Exact>(ray, object as usize, 0, light)
+                    parts.absorbs_met::<Exact, _>(ray, object as usize, 0, light)
                 },
             };
             let packet = Packet { beams, active: lit };

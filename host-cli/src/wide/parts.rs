@@ -1,7 +1,7 @@
 //! The objects themselves, by their place in the geometry.
 
 use whitted::material::Transmission;
-use whitted::math::Transmittance;
+use whitted::math::Passage;
 use whitted::{
     Candidates, Cuboid, Finish, Frustum, Geometry, Math, Object, Patch, Plane, Polygon, Quadric,
     Ray, Shape, Sphere, Torus, Triangle, Vec3,
@@ -213,42 +213,39 @@ impl<'a, M> Parts<'a, M> {
 
     /// As [`absorbs`](Self::absorbs), of an object that the ray meets.
     #[inline]
-    pub fn absorbs_met<P: Math>(
+    pub fn absorbs_met<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         object: usize,
         first: usize,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         M: Finish,
     {
         if !self.is_flat(object) {
-            return self.absorbs::<P>(ray, object, first, light);
+            return self.absorbs::<P, L>(ray, object, first, light);
         }
         with_object!(self, object, |it| {
-            light.ends(it.material.transmission().transmittance(), 1)
+            let transmission = it.material.transmission();
+            light.pass(transmission, 1, || 0.0)
         });
         false
     }
 
     /// As [`Geometry::absorbs`] of one of the objects alone.
-    pub fn absorbs<P: Math>(
+    pub fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         object: usize,
         first: usize,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         M: Finish,
     {
-        with_object!(self, object, |it| core::slice::from_ref(it).absorbs::<P>(
-            ray,
-            first + object,
-            Candidates::ALL,
-            light
-        ));
+        with_object!(self, object, |it| core::slice::from_ref(it)
+            .absorbs::<P, L>(ray, first + object, Candidates::ALL, light));
         false
     }
 }

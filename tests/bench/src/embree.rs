@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use glam::Vec3;
 use libloading::Library;
-use whitted::math::Transmittance;
+use whitted::math::Passage;
 use whitted::{
     Candidates, Cuboid, Departure, Exact, Finish, Frustum, Math, Polygon, Ray, Shape, Side, Sphere,
 };
@@ -844,12 +844,12 @@ impl whitted::Geometry for Intersector<'_> {
         cast.tfar < 0.0
     }
 
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         _: Candidates,
-        _: &mut Transmittance,
+        _: &mut L,
     ) -> bool
     where
         Material: Finish,

@@ -1,7 +1,7 @@
 //! A floor of two materials: a geometry of its own, made outside `core`.
 
 use glam::Vec3;
-use whitted::math::{Math, Transmittance};
+use whitted::math::{Math, Passage};
 use whitted::{Candidates, Finish, Geometry, Object, Plane, Ray};
 
 /// A horizontal plane with square tiles of unit size, opaque.
@@ -60,16 +60,18 @@ impl<M> Geometry for Checkerboard<'_, M> {
     }
 
     #[inline(always)]
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         among: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         M: Finish,
     {
-        self.tiles.as_slice().absorbs::<P>(ray, first, among, light)
+        self.tiles
+            .as_slice()
+            .absorbs::<P, L>(ray, first, among, light)
     }
 }
