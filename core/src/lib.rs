@@ -62,6 +62,7 @@
 pub mod camera;
 pub mod candidates;
 pub mod columns;
+pub mod csg;
 #[doc = include_str!("../FIRMWARE.md")]
 pub mod firmware {}
 pub mod geometry;
@@ -82,6 +83,7 @@ pub use embedded_graphics;
 
 pub use camera::{Camera, CameraError, View};
 pub use candidates::{Beam, Candidates, Culled, LightBuffer};
+pub use csg::Csg;
 pub use geometry::{Geometry, Object, Objects};
 pub use glam::Vec3;
 pub use grid::Grid;
@@ -94,7 +96,6 @@ pub use pattern::{Checker, ImageMap, Pattern, Stripes, Varying};
 pub use picture::Picture;
 pub use ray::{Departure, Hit, Ray, Side};
 pub use scene::{FillLight, Light, LightSource, Scene};
-pub use shape::Shape;
 pub use shape::cuboid::{Cuboid, CuboidError};
 pub use shape::frustum::{Frustum, FrustumError};
 pub use shape::patch::{Patch, PatchError};
@@ -104,4 +105,5 @@ pub use shape::quadric::{Clip, Ends, Quadric, QuadricError};
 pub use shape::sphere::{Sphere, SphereError};
 pub use shape::torus::{Torus, TorusError};
 pub use shape::triangle::Triangle;
+pub use shape::{Closed, Shape};
 pub use trace::{Count, Counters, Event, Tracer};

@@ -116,3 +116,19 @@ fn within(ray: &Ray, entry: f32, exit: f32) -> f32 {
     let end = if exit < ray.t_max { exit } else { ray.t_max };
     math::positive(end - start)
 }
+
+/// A shape that parts what is inside of it from what is outside: a leaf of [solid
+/// geometry](crate::csg).
+///
+/// Spheres, whose radius must be above zero, boxes, tori, planes, inside of which is what lies behind them,
+/// and quadrics that are ellipsoids or have no open ends.
+pub trait Closed: Shape {
+    /// At how many points a ray crosses it, at most.
+    const CROSSINGS: usize;
+
+    /// Calls `visit` with each distance above 0 and below infinity at which the ray, which has no end,
+    /// crosses the surface, and tells whether it is inside in the end. `leaving` is as for
+    /// [`intersect`](Shape::intersect).
+    fn cross<P: Math>(&self, ray: &Ray, leaving: Option<Side>, visit: &mut impl FnMut(f32))
+    -> bool;
+}

@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::{Shape, within};
+use super::{Closed, Shape, within};
 use crate::math::Math;
 use crate::ray::{Ray, Side};
 
@@ -186,6 +186,27 @@ impl Shape for Cuboid {
             }
         }
         Vec3::Z
+    }
+}
+
+impl Closed for Cuboid {
+    const CROSSINGS: usize = 2;
+
+    #[inline]
+    fn cross<P: Math>(
+        &self,
+        ray: &Ray,
+        leaving: Option<Side>,
+        visit: &mut impl FnMut(f32),
+    ) -> bool {
+        if leaving == Some(Side::Outside) {
+            return false;
+        }
+        if let Some((entry, exit)) = self.roots(ray, &Self::setup(ray)) {
+            let entry = ray.admitted(entry).filter(|_| leaving.is_none());
+            entry.into_iter().chain(ray.admitted(exit)).for_each(visit);
+        }
+        false
     }
 }
 

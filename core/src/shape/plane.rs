@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::{Shape, mapping, within};
+use super::{Closed, Shape, mapping, within};
 use crate::math::{self, Math, dot};
 use crate::ray::{Ray, Side};
 
@@ -123,6 +123,25 @@ impl Shape for Plane {
     #[inline(always)]
     fn normal<P: Math>(&self, _: &Ray, _: f32) -> Vec3 {
         self.normal
+    }
+}
+
+impl Closed for Plane {
+    const CROSSINGS: usize = 1;
+
+    #[inline]
+    fn cross<P: Math>(
+        &self,
+        ray: &Ray,
+        leaving: Option<Side>,
+        visit: &mut impl FnMut(f32),
+    ) -> bool {
+        if let Some(side) = leaving {
+            return side == Side::Inside;
+        }
+        let (height, rate) = approach(ray, self.point, self.normal);
+        distance(ray, (height, rate)).into_iter().for_each(visit);
+        rate < 0.0 || rate == 0.0 && height > 0.0
     }
 }
 

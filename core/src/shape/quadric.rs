@@ -5,7 +5,7 @@ use core::fmt;
 use glam::Vec3;
 
 use super::cuboid::slab;
-use super::{Shape, mapping, within};
+use super::{Closed, Shape, mapping, within};
 use crate::math::{self, Math, dot, length_squared};
 use crate::ray::{Ray, Side};
 
@@ -612,6 +612,28 @@ impl Shape for Quadric {
             // At the tip of a cone there is no direction.
             -ray.direction
         }
+    }
+}
+
+impl Closed for Quadric {
+    const CROSSINGS: usize = 4;
+
+    #[inline]
+    fn cross<P: Math>(
+        &self,
+        ray: &Ray,
+        leaving: Option<Side>,
+        visit: &mut impl FnMut(f32),
+    ) -> bool {
+        let mut ends_inside = false;
+        for t in self.meets::<P>(ray, &Self::setup(ray), leaving) {
+            // Where there is no end, the ray leaves at infinity.
+            ends_inside |= t == f32::INFINITY;
+            if ray.admits(t) {
+                visit(t);
+            }
+        }
+        ends_inside
     }
 }
 

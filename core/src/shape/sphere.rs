@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::{Shape, mapping, within};
+use super::{Closed, Shape, mapping, within};
 use crate::candidates::Beam;
 use crate::math::{Math, dot, length_squared};
 use crate::ray::{Ray, Side};
@@ -173,6 +173,28 @@ impl Shape for Sphere {
         } else {
             -outward
         }
+    }
+}
+
+impl Closed for Sphere {
+    const CROSSINGS: usize = 2;
+
+    #[inline]
+    fn cross<P: Math>(
+        &self,
+        ray: &Ray,
+        leaving: Option<Side>,
+        visit: &mut impl FnMut(f32),
+    ) -> bool {
+        let (entry, exit) = match leaving {
+            Some(side) => (None, self.chord(ray, side)),
+            None => match self.roots::<P>(ray) {
+                Some((entry, exit)) => (ray.admitted(entry), ray.admitted(exit)),
+                None => (None, None),
+            },
+        };
+        entry.into_iter().chain(exit).for_each(visit);
+        false
     }
 }
 

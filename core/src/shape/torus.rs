@@ -5,7 +5,7 @@ use core::fmt;
 use glam::Vec3;
 
 use super::cuboid::slab;
-use super::{Shape, mapping, within};
+use super::{Closed, Shape, mapping, within};
 use crate::math::{self, Math};
 use crate::ray::{Ray, Side};
 
@@ -355,6 +355,28 @@ impl Shape for Torus {
         };
         // From the nearest point of the circle.
         P::normalize(q - outward * self.major)
+    }
+}
+
+impl Closed for Torus {
+    const CROSSINGS: usize = 4;
+
+    #[inline]
+    fn cross<P: Math>(
+        &self,
+        ray: &Ray,
+        leaving: Option<Side>,
+        visit: &mut impl FnMut(f32),
+    ) -> bool {
+        if let Some(mut walk) = self.walk::<P>(ray, leaving) {
+            // As many as a walk has.
+            while let Some(t) = walk.next::<P>() {
+                if ray.admits(t) {
+                    visit(t);
+                }
+            }
+        }
+        false
     }
 }
 
