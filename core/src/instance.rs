@@ -257,6 +257,24 @@ impl<G: ?Sized> Clone for Instance<'_, G> {
 
 impl<G: ?Sized> Copy for Instance<'_, G> {}
 
+impl<'a, G: Geometry + ?Sized> Instance<'a, G> {
+    /// As [`Geometry::surface`]; the material outlives the instance.
+    #[inline]
+    pub fn into_surface<P: Math>(
+        self,
+        ray: &Ray,
+        object: usize,
+        first: usize,
+    ) -> Option<(Vec3, &'a G::Material)> {
+        let Local { ray: local, .. } = self.placement.local::<P>(ray);
+        // Shapes may tell by the bits of the distance what was met, and those cannot be had back from the
+        // world's.
+        let t = self.geometry.distance::<P>(&local, object, first)?;
+        let (normal, material) = self.geometry.surface::<P>(&local, t, object, first)?;
+        Some((self.placement.normal::<P>(normal), material))
+    }
+}
+
 impl<G: Geometry + ?Sized> Geometry for Instance<'_, G> {
     type Material = G::Material;
 
@@ -293,12 +311,7 @@ impl<G: Geometry + ?Sized> Geometry for Instance<'_, G> {
         object: usize,
         first: usize,
     ) -> Option<(Vec3, &G::Material)> {
-        let Local { ray: local, .. } = self.placement.local::<P>(ray);
-        // Shapes may tell by the bits of the distance what was met, and those cannot be had back from the
-        // world's.
-        let t = self.geometry.distance::<P>(&local, object, first)?;
-        let (normal, material) = self.geometry.surface::<P>(&local, t, object, first)?;
-        Some((self.placement.normal::<P>(normal), material))
+        self.into_surface::<P>(ray, object, first)
     }
 
     #[inline]

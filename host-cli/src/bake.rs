@@ -11,11 +11,13 @@ use std::mem::size_of;
 use std::path::Path;
 
 use whitted::hierarchy::{Child, Node};
-use whitted::{Camera, Light, Object, View};
+use whitted::{Camera, Closed, Csg, Light, Object, Placement, View};
 
-use crate::scene::{self, HostScene, Material};
+use crate::scene::{self, HostGeometry, HostScene, Material};
+use crate::scene_file::Step;
+use crate::whole::{HostSolid, Leaf, Placed, Tree, each_leaf};
 use kind::{Baked, Kind, Nodes};
-use source::{VECTOR, WORD, number, vector};
+use source::{VECTOR, WORD, number, vector, vectors};
 use terms::Terms;
 
 pub use map::bake_map;
@@ -66,26 +68,32 @@ pub fn bake_with(scene: &HostScene<'_>, view: Option<&View>, layout: Layout) -> 
         layout,
         ..Baker::default()
     };
-    macro_rules! each_kind {
-        ($objects:ident => $use:expr) => {{
-            let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, curved)))))) =
-                scene.geometry();
-            let (frusta, (quadrics, tori)) = curved;
-            each_kind!($objects => $use; spheres planes polygons triangles patches cuboids frusta
-                quadrics tori);
-        }};
-        ($objects:ident => $use:expr; $($kind:ident)*) => {
-            $({
-                let $objects = $kind;
-                $use;
-            })*
-        };
+    let top = (scene.geometry(), scene.solids());
+    let contents: Vec<_> = scene.groups().collect();
+    for content in std::iter::once(&top).chain(&contents) {
+        baker.note(content);
     }
-    each_kind!(objects => baker.terms.note(objects));
-    each_kind!(objects => baker.objects(objects));
+    baker.content(&top);
+    baker.groups(&contents, scene.placed());
     baker.materials();
     baker.lights(scene.scene().lights);
     baker.finish(scene, view)
+}
+
+/// Uses all objects of each kind.
+macro_rules! each_kind {
+    ($geometry:expr, $objects:ident => $use:expr) => {{
+        let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, curved)))))) = $geometry;
+        let (frusta, (quadrics, tori)) = curved;
+        each_kind!($objects => $use; spheres planes polygons triangles patches cuboids frusta
+            quadrics tori);
+    }};
+    ($objects:ident => $use:expr; $($kind:ident)*) => {
+        $({
+            let $objects = $kind;
+            $use;
+        })*
+    };
 }
 
 /// What a waiting ray takes of the stack, as [`whitted::Tracer`] says.
@@ -100,10 +108,13 @@ const MOST_CELL_BYTES: usize = 4096;
 /// What a waiting box takes, as [`whitted::Hierarchy`] says.
 const WAITING_BOX: usize = 8;
 
+/// Objects and solids.
+type Contents<'s> = (HostGeometry<'s>, &'s [HostSolid<'s>]);
+
 /// One kind's part of the geometry.
 struct Part {
     /// Its type's name.
-    name: &'static str,
+    name: String,
     /// Its type.
     definition: String,
     value: String,
@@ -115,6 +126,10 @@ struct Part {
 #[derive(Default)]
 struct Baker {
     layout: Layout,
+    /// Before the names of what is in a group.
+    prefix: String,
+    /// Types of groups, and of what is in them.
+    types: String,
     /// How many objects lights know the directions of: the first, culled ones.
     culled: usize,
     terms: Terms,
@@ -181,6 +196,136 @@ impl Baker {
         self.array(name, kind, numbers.len(), numbers.len() * size, &lines);
     }
 
+    /// The type's name of something of a group, or of none, and its arrays'.
+    fn names(&self, name: &str) -> (String, String) {
+        let (kind, array) = (self.prefix.clone(), self.prefix.to_uppercase());
+        match array.is_empty() {
+            true => (name.to_owned(), name.to_uppercase()),
+            false => (
+                format!("{kind}{name}"),
+                format!("{array}_{}", name.to_uppercase()),
+            ),
+        }
+    }
+
+    /// Takes note of what materials have.
+    fn note(&mut self, (geometry, solids): &Contents<'_>) {
+        each_kind!(*geometry, objects => self.terms.note(objects));
+        for leaf in solids.iter().flat_map(|it| &it.0.leaves) {
+            each_leaf!(leaf, it => self.terms.note(std::slice::from_ref(it)));
+        }
+    }
+
+    /// Adds objects and solids.
+    fn content(&mut self, (geometry, solids): &Contents<'_>) {
+        each_kind!(*geometry, objects => self.objects(objects));
+        for (place, Csg(tree)) in solids.iter().enumerate() {
+            self.solid(place, tree);
+        }
+    }
+
+    /// Adds a solid.
+    fn solid(&mut self, place: usize, tree: &Tree<'_>) {
+        self.import(&["Csg", "Object"]);
+        let (mut crossings, mut bytes) = (0, 0);
+        let leaf = |place: usize| each_leaf!(&tree.leaves[place], it => self.leaf(it, &mut crossings, &mut bytes));
+        let joined = Tree::fold(tree.steps, leaf, |step, left, right| {
+            let operator = match step {
+                Step::Union => "Union",
+                Step::Intersection => "Intersection",
+                _ => "Difference",
+            };
+            (
+                format!("{operator}<{}, {}>", left.0, right.0),
+                format!("{operator}({}, {})", left.1, right.1),
+            )
+        });
+        let (kind, value) = joined.unwrap_or_default();
+        for step in tree.steps {
+            self.imports.extend(match step {
+                Step::Leaf => None,
+                Step::Union => Some("csg::Union"),
+                Step::Intersection => Some("csg::Intersection"),
+                Step::Difference => Some("csg::Difference"),
+            });
+        }
+        let (name, item) = self.names(&format!("Solid{place}"));
+        let kind = format!("Csg<{kind}, {crossings}>");
+        self.item(&item, &kind, &format!("Csg({value})"));
+        self.bytes.push((item.clone(), bytes));
+        self.parts.push(Part {
+            name,
+            definition: format!("&'static {kind}"),
+            value: format!("&{item}"),
+            bytes: WORD,
+        });
+    }
+
+    /// The type and the value of a leaf; counts how often a ray crosses it, and its bytes.
+    fn leaf<S: Kind + Closed>(
+        &mut self,
+        Object { shape, material }: &Object<'_, S, Material>,
+        crossings: &mut usize,
+        bytes: &mut usize,
+    ) -> (String, String) {
+        self.import(&[S::TYPE]);
+        self.import(S::IMPORTS);
+        *crossings += S::CROSSINGS;
+        *bytes += S::BYTES + WORD;
+        let (shape, material) = (shape.source(), self.material(material));
+        (
+            format!("Object<'static, {}, SceneMaterial>", S::TYPE),
+            format!("Object {{ shape: {shape}, material: &MATERIALS[{material}] }}"),
+        )
+    }
+
+    /// Adds a static of its own.
+    fn item(&mut self, name: &str, kind: &str, value: &str) {
+        lines!(self.items, "\n#[rustfmt::skip]");
+        lines!(self.items, "#[allow(clippy::approx_constant)]");
+        lines!(self.items, "static {name}: {kind} = {value};");
+    }
+
+    /// Adds the groups that are placed, and where.
+    fn groups(&mut self, contents: &[Contents<'_>], placed: &[Placed]) {
+        for placed in placed.chunk_by(|a, b| a.group == b.group) {
+            let group = placed[0].group;
+            let top = std::mem::take(&mut self.parts);
+            self.prefix = format!("Group{group}");
+            self.content(&contents[group]);
+            let (name, item) = (std::mem::take(&mut self.prefix), format!("GROUP{group}"));
+            let parts = std::mem::replace(&mut self.parts, top);
+            for part in &parts {
+                lines!(self.types, "type {} = {};", part.name, part.definition);
+            }
+            let kind = nested(&parts, |it| &it.name);
+            lines!(self.types, "type {name} = {kind};");
+            self.item(&item, &name, &nested(&parts, |it| &it.value));
+            self.bytes
+                .push((item.clone(), parts.iter().map(|it| it.bytes).sum()));
+            self.import(&["Instance", "Placement"]);
+            let source = |it: &Placed| {
+                let translation = vector(it.placement.translation);
+                let inverse = vectors(&it.placement.inverse);
+                format!(
+                    "Instance {{ geometry: &{item}, placement: Placement {{ translation: \
+                     {translation}, inverse: {inverse} }} }}"
+                )
+            };
+            let sources: Vec<_> = placed.iter().map(source).collect();
+            let array = format!("{item}_PLACED");
+            let bytes = placed.len() * (size_of::<Placement>() + WORD);
+            let kind = format!("Instance<'static, {name}>");
+            self.array(&array, &kind, placed.len(), bytes, &sources);
+            self.parts.push(Part {
+                name: format!("{name}Placed"),
+                definition: format!("&'static [{kind}]"),
+                value: format!("&{array}"),
+                bytes: 2 * WORD,
+            });
+        }
+    }
+
     /// Adds all objects of a kind.
     fn objects<S: Kind>(&mut self, objects: &[Object<'_, S, Material>]) {
         if objects.is_empty() {
@@ -197,12 +342,20 @@ impl Baker {
             .collect();
         let elsewhere: usize = objects.iter().map(|it| it.shape.bytes_elsewhere()).sum();
         let bytes = objects.len() * (S::BYTES + WORD) + elsewhere;
-        let array = S::ALL.to_uppercase();
+        let (name, array) = self.names(S::ALL);
         let kind = format!("Object<'static, {}, SceneMaterial>", S::TYPE);
         let layout = match self.layout {
             Layout::Fastest => {
                 S::fastest(objects.len(), self.terms.reflects || self.terms.transmits)
             }
+            layout => layout,
+        };
+        let layout = match layout {
+            // Lights know directions in the world.
+            Layout::Culled if !self.prefix.is_empty() && objects.len() > S::SLICE => {
+                Layout::Hierarchies
+            }
+            Layout::Culled if !self.prefix.is_empty() => Layout::Slices,
             layout => layout,
         };
         let hierarchy = match layout {
@@ -217,7 +370,7 @@ impl Baker {
                 self.array(&array, &kind, sources.len(), bytes, &sources);
                 let (shape, count) = (S::TYPE, objects.len());
                 self.parts.push(Part {
-                    name: S::ALL,
+                    name,
                     definition: format!("Culled<'static, {shape}, SceneMaterial, {count}>"),
                     value: format!("Culled(&{array})"),
                     bytes: WORD,
@@ -227,7 +380,7 @@ impl Baker {
                 self.import(&["Objects"]);
                 self.array(&array, &kind, sources.len(), bytes, &sources);
                 self.parts.push(Part {
-                    name: S::ALL,
+                    name,
                     definition: format!("Objects<{}, SceneMaterial>", S::TYPE),
                     value: format!("&{array}"),
                     bytes: 2 * WORD,
@@ -265,9 +418,10 @@ impl Baker {
             0x101..=0x1_0000 => ("u16", 2),
             _ => ("usize", WORD),
         };
-        self.numbers(&format!("{}_PLACES", S::NAME), index, &tree.places);
-        self.numbers(&format!("{}_SLOTS", S::NAME), index, &tree.slots());
-        let (name, kind, slack) = (S::NAME, S::ALL, number(tree.slack));
+        let (kind, slack) = (self.names(S::ALL).0, number(tree.slack));
+        let name = self.names(S::NAME).1;
+        self.numbers(&format!("{name}_PLACES"), index, &tree.places);
+        self.numbers(&format!("{name}_SLOTS"), index, &tree.slots());
         let arrays = format!("&{name}_NODES, &{array}, &{name}_PLACES, &{name}_SLOTS, {slack}");
         lines!(self.items, "\n#[rustfmt::skip]");
         lines!(
@@ -282,7 +436,7 @@ impl Baker {
         lines!(self.items, "}};");
         let (shape, index) = (S::TYPE, index.0);
         self.parts.push(Part {
-            name: S::ALL,
+            name: kind,
             definition: format!(
                 "Hierarchy<'static, {shape}, SceneMaterial, {bound}, TREE_DEPTH, {index}>"
             ),
@@ -302,7 +456,10 @@ impl Baker {
         let child = |it: &Child<B>| format!("{}, {:#x})", source(&it.bound), it.link.bits());
         let node = |Node([a, b]): &Node<B>| format!("Node([{}, {}])", child(a), child(b));
         let sources: Vec<_> = nodes.iter().map(node).collect();
-        let (name, kind) = (format!("{}_NODES", S::NAME), format!("Node<{bound}>"));
+        let (name, kind) = (
+            format!("{}_NODES", self.names(S::NAME).1),
+            format!("Node<{bound}>"),
+        );
         self.array(&name, &kind, nodes.len(), size_of_val(nodes), &sources);
     }
 
@@ -379,7 +536,7 @@ impl Baker {
         if self.parts.is_empty() {
             self.import(&["Objects", "Sphere"]);
             self.parts.push(Part {
-                name: "Nothing",
+                name: "Nothing".to_owned(),
                 definition: "Objects<Sphere, SceneMaterial>".to_owned(),
                 value: "&[]".to_owned(),
                 bytes: 2 * WORD,
@@ -412,19 +569,17 @@ impl Baker {
                 "use whitted::hierarchy::{{{bounds}, Child, Link, Node}};"
             );
         }
-        let pair = |inner: String, outer: &str| format!("({outer}, {inner})");
-        let nested = |item: fn(&Part) -> &str| {
-            let mut parts = self.parts.iter().rev().map(item);
-            let last = parts.next().unwrap_or_default().to_owned();
-            parts.fold(last, pair)
-        };
         let scene = scene.scene();
         let (background, ambient) = (vector(scene.background), vector(scene.ambient));
         lines!(text, "\n/// The scene.");
         let types = format!("Scene<'static, SceneGeometry, {}>", self.light);
         lines!(text, "#[rustfmt::skip]");
         lines!(text, "pub static SCENE: {types} = Scene {{");
-        lines!(text, "    geometry: {},", nested(|it| &it.value));
+        lines!(
+            text,
+            "    geometry: {},",
+            nested(&self.parts, |it| &it.value)
+        );
         lines!(text, "    lights: &LIGHTS,");
         lines!(text, "    background: {background},");
         lines!(text, "    ambient: {ambient},");
@@ -447,8 +602,13 @@ impl Baker {
         lines!(text, "pub type SceneMaterial = {};", self.terms.material());
         lines!(text, "\n/// All objects.");
         lines!(text, "#[rustfmt::skip]");
-        lines!(text, "pub type SceneGeometry = {};", nested(|it| it.name));
+        lines!(
+            text,
+            "pub type SceneGeometry = {};",
+            nested(&self.parts, |it| &it.name)
+        );
         lines!(text, "");
+        text.push_str(&self.types);
         for part in &self.parts {
             lines!(text, "type {} = {};", part.name, part.definition);
         }
@@ -507,6 +667,13 @@ impl Baker {
         );
         text
     }
+}
+
+/// Something of each part, as pairs of pairs.
+fn nested(parts: &[Part], item: fn(&Part) -> &str) -> String {
+    let mut parts = parts.iter().rev().map(item);
+    let last = parts.next().unwrap_or_default().to_owned();
+    parts.fold(last, |inner, outer| format!("({outer}, {inner})"))
 }
 
 /// A view as a constant.

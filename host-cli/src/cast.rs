@@ -163,12 +163,12 @@ pub enum Answer<'a> {
 /// Casts one ray.
 pub fn cast<'a>(scene: &HostScene<'a>, given: &GivenRay, query: Query) -> Answer<'a> {
     let ray = given.cast(scene.scale());
+    let geometry = scene.whole(|it| it);
     if query == Query::Occluded {
         return Answer::Occluded {
-            occluded: scene.geometry().occluded(&ray),
+            occluded: geometry.occluded(&ray),
         };
     }
-    let geometry = scene.geometry();
     let Some(hit) = geometry.closest_hit(&ray) else {
         return Answer::Miss { hit: false };
     };

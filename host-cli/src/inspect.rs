@@ -6,12 +6,12 @@ use std::mem::size_of;
 
 use serde::Serialize;
 use whitted::{
-    Cuboid, Frustum, Glass, Light, Mirror, Patch, Phong, Plane, Quadric, Sphere, Torus, Triangle,
-    Vec3,
+    Cuboid, Frustum, Glass, Light, Mirror, Patch, Phong, Placement, Plane, Quadric, Sphere, Torus,
+    Triangle, Vec3,
 };
 
 use crate::scene::{HostScene, Material, Pool};
-use crate::scene_file::{Place, SceneFile, Shape};
+use crate::scene_file::{Object, Place, SceneFile, Shape, Solid};
 
 mod coincidence;
 
@@ -24,6 +24,12 @@ pub struct Report {
     pub shapes: BTreeMap<&'static str, usize>,
     /// Corners of all polygons together.
     pub polygon_corners: usize,
+    /// Solids that are joined of others.
+    pub solids: usize,
+    /// Groups of shapes, whose shapes count once.
+    pub groups: usize,
+    /// Groups that are placed, those in groups counted.
+    pub instances: usize,
     /// The lights.
     pub lights: Lights,
     /// The materials.
@@ -119,7 +125,7 @@ pub fn inspect(scene: &HostScene<'_>, pool: &Pool) -> Report {
     let file = scene.file();
     let mut shapes = BTreeMap::new();
     let mut polygon_corners = 0;
-    for object in &file.objects {
+    for object in file.all_objects() {
         *shapes.entry(object.shape.name()).or_insert(0) += 1;
         if let Shape::Polygon { vertices } = &object.shape {
             polygon_corners += vertices.len();
@@ -133,10 +139,19 @@ pub fn inspect(scene: &HostScene<'_>, pool: &Pool) -> Report {
     let bounds = bounds(file);
     Report {
         file: file.path.display().to_string(),
-        features: features(&shapes, &materials, &lights),
-        bytes: bytes(&shapes, polygon_corners, &materials, lights.all),
+        features: features(file, &shapes, &materials, &lights),
+        bytes: bytes(
+            &shapes,
+            polygon_corners,
+            &materials,
+            lights.all,
+            file.instances.len(),
+        ),
         shapes,
         polygon_corners,
+        solids: file.solids.len() + file.groups.iter().map(|it| it.solids.len()).sum::<usize>(),
+        groups: file.groups.len(),
+        instances: file.instances.len(),
         lights,
         materials,
         depth: depth(file),
@@ -160,6 +175,7 @@ fn count_materials(materials: &[Material]) -> Materials {
 }
 
 fn features(
+    file: &SceneFile,
     shapes: &BTreeMap<&'static str, usize>,
     materials: &Materials,
     lights: &Lights,
@@ -178,6 +194,12 @@ fn features(
             _ => "Frustum",
         })
         .collect();
+    if !file.solids.is_empty() || file.groups.iter().any(|it| !it.solids.is_empty()) {
+        features.push("Csg");
+    }
+    if !file.instances.is_empty() {
+        features.push("Instance");
+    }
     if materials.with_real_exponents > 0 {
         features.push("PhongReal");
     } else if materials.shining > 0 {
@@ -203,6 +225,7 @@ fn bytes(
     polygon_corners: usize,
     materials: &Materials,
     lights: usize,
+    instances: usize,
 ) -> Bytes {
     const POINTER: usize = 4;
     const VECTOR: usize = size_of::<Vec3>();
@@ -225,7 +248,8 @@ fn bytes(
         .iter()
         .map(|(kind, count)| object(kind) * count)
         .sum();
-    let objects = objects + polygon_corners * VECTOR;
+    let placed = instances * (POINTER + size_of::<Placement>());
+    let objects = objects + polygon_corners * VECTOR + placed;
     let mut material = size_of::<whitted::Material>();
     if materials.shining > 0 {
         material += size_of::<Phong>();
@@ -248,14 +272,16 @@ fn bytes(
 
 fn depth(file: &SceneFile) -> Depth {
     let limit = file.depth;
-    let mut secondary = file.objects.iter().filter(|it| {
+    let mut secondary = file.all_objects().filter(|it| {
         let material = &file.materials[it.material];
         material.reflectance > 0.0 || material.transmittance > 0.0
     });
     let reach = match (secondary.next(), secondary.next()) {
         (None, _) => 1,
         (Some(object), None)
-            if file.materials[object.material].transmittance == 0.0
+            if file.solids.is_empty()
+                && file.groups.is_empty()
+                && file.materials[object.material].transmittance == 0.0
                 && !sees_itself(&object.shape, file.camera.map(|it| it.eye)) =>
         {
             2
@@ -265,8 +291,7 @@ fn depth(file: &SceneFile) -> Depth {
     let reach = reach.min(limit);
     // After total internal reflection the mirrored ray weighs as much as both.
     let heaviest = file
-        .objects
-        .iter()
+        .all_objects()
         .map(|it| &file.materials[it.material])
         .map(|it| it.reflectance + it.transmittance)
         .fold(0.0, f64::max);
@@ -297,7 +322,8 @@ fn sees_itself(shape: &Shape, eye: Option<[f64; 3]>) -> bool {
     }
 }
 
-fn bounds(file: &SceneFile) -> Option<[[f64; 3]; 2]> {
+/// The least and the greatest coordinates of some objects, without planes.
+fn bounds_of<'a>(objects: impl Iterator<Item = &'a Object>) -> Option<[[f64; 3]; 2]> {
     let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     let mut include = |point: [f64; 3], radius: f64| {
         for axis in 0..3 {
@@ -305,7 +331,7 @@ fn bounds(file: &SceneFile) -> Option<[[f64; 3]; 2]> {
             bounds[1][axis] = bounds[1][axis].max(point[axis] + radius.abs());
         }
     };
-    for object in &file.objects {
+    for object in objects {
         match object.shape {
             Shape::Sphere { center, radius } => include(center, radius),
             Shape::Plane { .. } => {}
@@ -338,6 +364,39 @@ fn bounds(file: &SceneFile) -> Option<[[f64; 3]; 2]> {
         }
     }
     (bounds[0][0] <= bounds[1][0]).then_some(bounds)
+}
+
+fn leaves(solids: &[Solid]) -> impl Iterator<Item = &Object> {
+    solids.iter().flat_map(|it| &it.leaves)
+}
+
+fn bounds(file: &SceneFile) -> Option<[[f64; 3]; 2]> {
+    let top = bounds_of(file.objects.iter().chain(leaves(&file.solids)));
+    let groups: Vec<_> = file
+        .groups
+        .iter()
+        .map(|it| bounds_of(it.objects.iter().chain(leaves(&it.solids))))
+        .collect();
+    // Of each instance, all that its group's box may reach.
+    let placed = file.instances.iter().filter_map(|it| {
+        let box_of_group = groups[it.group]?;
+        let reach = |to: usize, pick: fn(f64, f64) -> f64| -> f64 {
+            (0..3)
+                .map(|axis| {
+                    let [a, b] = box_of_group.map(|end| end[axis] * it.axes[axis][to]);
+                    pick(a, b)
+                })
+                .sum()
+        };
+        let end = |pick| std::array::from_fn(|to| it.translation[to] + reach(to, pick));
+        Some([end(f64::min), end(f64::max)])
+    });
+    top.into_iter().chain(placed).reduce(|a, b| {
+        let join = |end: usize, pick: fn(f64, f64) -> f64| {
+            std::array::from_fn(|axis| pick(a[end][axis], b[end][axis]))
+        };
+        [join(0, f64::min), join(1, f64::max)]
+    })
 }
 
 fn warnings(file: &SceneFile, bounds: Option<[[f64; 3]; 2]>) -> Vec<Warning> {
@@ -448,6 +507,16 @@ impl fmt::Display for Report {
             shapes.push("none".to_owned());
         }
         writeln!(f, "  shapes     {}", shapes.join(", "))?;
+        if self.solids > 0 {
+            writeln!(f, "  solids     {}", self.solids)?;
+        }
+        if self.groups > 0 {
+            writeln!(
+                f,
+                "  groups     {}, placed {} times",
+                self.groups, self.instances
+            )?;
+        }
         let Lights { all, with_shadows } = self.lights;
         writeln!(f, "  lights     {all}, {with_shadows} with shadows")?;
         let materials = &self.materials;

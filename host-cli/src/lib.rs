@@ -17,4 +17,5 @@ pub mod picture;
 pub mod render;
 pub mod scene;
 pub mod scene_file;
+pub mod whole;
 pub mod wide;

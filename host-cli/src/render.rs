@@ -6,10 +6,10 @@ use fearless_simd::Level;
 use glam::Vec3;
 use rayon::prelude::*;
 use whitted::picture::{quantize, to_rgb8};
-use whitted::{Counters, Exact, Scene, Tracer, View};
+use whitted::{Counters, Exact, Geometry, Scene, Tracer, View};
 
 use crate::picture::Transfer;
-use crate::scene::{AnyScene, Material};
+use crate::scene::{AnyScene, HostScene, Material};
 use crate::scene_file::limits;
 use crate::wide::Wide;
 use crate::wide::lockstep::{self, HEIGHT, Job};
@@ -77,6 +77,29 @@ pub fn render_at<E>(
     bands(view, rows, HEIGHT, in_lockstep, row_done, emit)
 }
 
+/// As [`render`], of all of a scene, with solids and what is placed.
+///
+/// # Errors
+///
+/// As [`render`]'s.
+pub fn render_whole<E>(
+    host: &HostScene<'_>,
+    view: &View,
+    rows: Range<u32>,
+    settings: Settings,
+    row_done: impl Fn() + Sync,
+    emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+) -> Result<Counters, E> {
+    let scene = host.scene();
+    if host.is_plain() {
+        return render(&scene, view, rows, settings, row_done, emit);
+    }
+    let whole = host.whole(Wide::new);
+    let lone_rays =
+        |rows, pixels: &mut [Vec3]| trace_rows(&whole, &scene, view, rows, settings, pixels);
+    bands(view, rows, 1, lone_rays, row_done, emit)
+}
+
 /// Whether the scene has something that only [`Tracer`] does.
 fn needs_tracer(_scene: &AnyScene<'_>) -> bool {
     false
@@ -84,7 +107,7 @@ fn needs_tracer(_scene: &AnyScene<'_>) -> bool {
 
 /// Renders rows as [`lockstep::rows`] does, with the same bits, by [`Tracer`] itself: each ray alone.
 fn trace_rows(
-    geometry: &Wide<'_, Material>,
+    geometry: &impl Geometry<Material = Material>,
     scene: &AnyScene<'_>,
     view: &View,
     rows: Range<u32>,

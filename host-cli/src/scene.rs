@@ -7,13 +7,15 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 use whitted::{
-    Camera, Cuboid, Frustum, Glass, LightSource, Mirror, Object, Patch, PhongReal, Plane, Polygon,
-    Quadric, Scene, Sphere, Torus, Triangle, View,
+    Camera, Csg, Cuboid, Frustum, Glass, LightSource, Mirror, Object, Patch, PhongReal, Placement,
+    Plane, Polygon, Quadric, Scene, Sphere, Torus, Triangle, View,
 };
 
 use crate::scene_file::{
-    self, Lens, Place, Problem, Scale, SceneError, SceneFile, Shape, at, direction, proportions,
+    self, Lens, Place, Problem, Scale, SceneError, SceneFile, Shape, Solid, at, direction,
+    proportions,
 };
+use crate::whole::{HostSolid, Leaf, Placed, Solids, Tree, Whole};
 use crate::wide;
 
 /// A material that can do everything.
@@ -85,7 +87,7 @@ impl Pool {
             });
             pool.material_of.push(index);
         }
-        for object in &file.objects {
+        for object in file.all_objects() {
             if let Shape::Polygon { vertices } = &object.shape {
                 let vertices = vertices.iter().map(|&it| scale.point(it));
                 pool.vertices.extend(vertices);
@@ -147,6 +149,15 @@ fn bits(material: &Material) -> [u32; 10] {
 pub struct HostScene<'a> {
     file: &'a SceneFile,
     scale: Scale,
+    content: Content<'a>,
+    groups: Vec<Content<'a>>,
+    placed: Vec<Placed>,
+    lights: Vec<Light>,
+}
+
+/// Objects and solids in one space: those that stand in the world, or those of a group.
+#[derive(Clone, Debug, Default)]
+struct Content<'a> {
     spheres: Vec<Object<'a, Sphere, Material>>,
     planes: Vec<Object<'a, Plane, Material>>,
     polygons: Vec<Object<'a, Polygon<'a>, Material>>,
@@ -156,9 +167,9 @@ pub struct HostScene<'a> {
     frusta: Vec<Object<'a, Frustum, Material>>,
     quadrics: Vec<Object<'a, Quadric, Material>>,
     tori: Vec<Object<'a, Torus, Material>>,
-    lights: Vec<Light>,
-    /// For each object in geometry order, which of the file's it is.
-    in_file: Vec<usize>,
+    solids: Vec<HostSolid<'a>>,
+    /// For each object in geometry order, leaves of solids last, which of the file's it is.
+    in_file: Vec<&'a scene_file::Object>,
 }
 
 impl<'a> HostScene<'a> {
@@ -171,17 +182,10 @@ impl<'a> HostScene<'a> {
         let mut scene = Self {
             file,
             scale: pool.scale,
-            spheres: Vec::new(),
-            planes: Vec::new(),
-            polygons: Vec::new(),
-            triangles: Vec::new(),
-            patches: Vec::new(),
-            cuboids: Vec::new(),
-            frusta: Vec::new(),
-            quadrics: Vec::new(),
-            tori: Vec::new(),
+            content: Content::default(),
+            groups: Vec::new(),
+            placed: Vec::new(),
             lights: Vec::new(),
-            in_file: Vec::new(),
         };
         scene
             .objects(pool)
@@ -201,10 +205,171 @@ impl<'a> HostScene<'a> {
     }
 
     fn objects(&mut self, pool: &'a Pool) -> Result<(), (Place, Problem)> {
-        let scale = self.scale;
-        let mut origins: [Vec<usize>; 9] = Default::default();
+        let file = self.file;
         let mut polygons = 0;
-        for (index, object) in self.file.objects.iter().enumerate() {
+        self.content = Content::new(&file.objects, &file.solids, pool, &mut polygons)?;
+        for group in &file.groups {
+            let content = Content::new(&group.objects, &group.solids, pool, &mut polygons)?;
+            self.groups.push(content);
+        }
+        let mut first = self.content.in_file.len();
+        for instance in &file.instances {
+            let axes = instance
+                .axes
+                .map(|it| Vec3::from_array(it.map(|it| it as f32)));
+            let translation = self.scale.point(instance.translation);
+            let placement = Placement::new(axes, translation).map_err(at(instance.place))?;
+            let group = instance.group;
+            self.placed.push(Placed {
+                group,
+                placement,
+                first,
+            });
+            first += self.groups[group].in_file.len();
+        }
+        Ok(())
+    }
+
+    /// The scene, for tracing and casting.
+    pub fn scene(&self) -> AnyScene<'_> {
+        Scene {
+            geometry: self.geometry(),
+            lights: &self.lights,
+            background: color(self.file.background),
+            ambient: color(self.file.ambient),
+        }
+    }
+
+    /// The objects that are neither placed nor solids; what the renderer runs on where there are no others.
+    pub fn geometry(&self) -> HostGeometry<'_> {
+        self.content.kinds()
+    }
+
+    /// Whether [`geometry`](Self::geometry) is all.
+    pub fn is_plain(&self) -> bool {
+        self.placed.is_empty() && self.content.solids.is_empty()
+    }
+
+    /// All of the scene; `build` makes a geometry of objects.
+    pub fn whole<'s, G>(&'s self, build: impl Fn(HostGeometry<'s>) -> G) -> Whole<'s, G> {
+        let content = |it: &'s Content<'a>| (build(it.kinds()), Solids(&it.solids));
+        Whole {
+            top: content(&self.content),
+            groups: self.groups.iter().map(content).collect(),
+            placed: &self.placed,
+        }
+    }
+
+    /// The solids that are not placed; then, for each group, its objects and solids.
+    pub fn solids(&self) -> &[HostSolid<'a>] {
+        &self.content.solids
+    }
+
+    /// Of each group, its objects and its solids.
+    pub fn groups(&self) -> impl Iterator<Item = (HostGeometry<'_>, &[HostSolid<'a>])> {
+        self.groups.iter().map(|it| (it.kinds(), &it.solids[..]))
+    }
+
+    /// The groups where they are placed.
+    pub fn placed(&self) -> &[Placed] {
+        &self.placed
+    }
+
+    /// The file that this is the scene of.
+    pub fn file(&self) -> &'a SceneFile {
+        self.file
+    }
+
+    /// The scale at which everything here is.
+    pub fn scale(&self) -> Scale {
+        self.scale
+    }
+
+    /// The object of the file that [`whitted::Hit::object`] names.
+    pub fn in_file(&self, object: usize) -> &'a scene_file::Object {
+        if let Some(object) = self.content.in_file.get(object) {
+            return object;
+        }
+        let after = self.placed.partition_point(|it| it.first <= object);
+        let placed = &self.placed[after - 1];
+        self.groups[placed.group].in_file[object - placed.first]
+    }
+
+    /// The camera for a picture of some size in pixels; `None` where the file has none.
+    ///
+    /// # Errors
+    ///
+    /// Where it shows nothing.
+    pub fn camera(&self, width: u32, height: u32) -> Result<Option<View>, SceneError> {
+        let Some(camera) = &self.file.camera else {
+            return Ok(None);
+        };
+        let (eye, target) = (
+            self.scale.point(camera.eye),
+            self.scale.point(camera.target),
+        );
+        let up = direction(camera.up);
+        let tan_half = |degrees: f64| libm::tan(degrees.to_radians() / 2.0) as f32;
+        let view = match camera.lens {
+            Lens::Vertical { degrees } => {
+                let aspect = width as f32 / height as f32;
+                Camera::look_at(eye, target, up, tan_half(degrees), aspect)
+            }
+            Lens::Both { degrees } => Camera::look_at(eye, target, up, tan_half(degrees), 1.0),
+            Lens::Frustum {
+                left,
+                right,
+                bottom,
+                top,
+                distance,
+            } => {
+                let [left, right, bottom, top, distance] =
+                    proportions([left, right, bottom, top, distance]);
+                Camera::frustum(eye, target, up, left, right, bottom, top, distance)
+            }
+        };
+        match view {
+            Ok(camera) => Ok(Some(View {
+                camera,
+                width,
+                height,
+            })),
+            Err(error) => Err(self.file.error(camera.place, error.into())),
+        }
+    }
+}
+
+impl<'a> Content<'a> {
+    /// `polygons` is how many there are before.
+    fn new(
+        objects: &'a [scene_file::Object],
+        solids: &'a [Solid],
+        pool: &'a Pool,
+        polygons: &mut usize,
+    ) -> Result<Self, (Place, Problem)> {
+        let mut content = Self::default();
+        content.objects(objects, pool, polygons)?;
+        for solid in solids {
+            let leaf = |it| leaf(it, pool);
+            let leaves = solid.leaves.iter().map(leaf).collect::<Result<_, _>>()?;
+            content.in_file.extend(&solid.leaves);
+            content.solids.push(Csg(Tree {
+                leaves,
+                steps: &solid.steps,
+            }));
+        }
+        Ok(content)
+    }
+
+    fn objects(
+        &mut self,
+        objects: &'a [scene_file::Object],
+        pool: &'a Pool,
+        polygons: &mut usize,
+    ) -> Result<(), (Place, Problem)> {
+        let scale = pool.scale;
+        let mut origins: [Vec<&'a scene_file::Object>; 9] = Default::default();
+        for object in objects {
             let material = &pool.materials[pool.material_of[object.material]];
             let place = object.place;
             let kind = match object.shape {
@@ -221,16 +386,15 @@ impl<'a> HostScene<'a> {
                     1
                 }
                 Shape::Polygon { .. } => {
-                    let start = if polygons == 0 {
-                        0
-                    } else {
-                        pool.ends[polygons - 1]
+                    let start = match polygons.checked_sub(1) {
+                        None => 0,
+                        Some(before) => pool.ends[before],
                     };
-                    let vertices = &pool.vertices[start..pool.ends[polygons]];
+                    let vertices = &pool.vertices[start..pool.ends[*polygons]];
                     let shape =
                         Polygon::new(vertices).map_err(|error| (place, Problem::Polygon(error)))?;
                     self.polygons.push(Object { shape, material });
-                    polygons += 1;
+                    *polygons += 1;
                     2
                 }
                 Shape::Triangle { vertices } => {
@@ -285,87 +449,37 @@ impl<'a> HostScene<'a> {
                     8
                 }
             };
-            origins[kind].push(index);
+            origins[kind].push(object);
         }
         self.in_file = origins.concat();
         Ok(())
     }
 
-    /// The scene, for tracing and casting.
-    pub fn scene(&self) -> AnyScene<'_> {
-        Scene {
-            geometry: self.geometry(),
-            lights: &self.lights,
-            background: color(self.file.background),
-            ambient: color(self.file.ambient),
-        }
-    }
-
-    /// The objects; what the renderer runs on.
-    pub fn geometry(&self) -> HostGeometry<'_> {
+    fn kinds(&self) -> HostGeometry<'_> {
         let curved = (&self.frusta[..], (&self.quadrics[..], &self.tori[..]));
         let solids = (&self.patches[..], (&self.cuboids[..], curved));
         let flat = (&self.polygons[..], (&self.triangles[..], solids));
         (&self.spheres[..], (&self.planes[..], flat))
     }
+}
 
-    /// The file that this is the scene of.
-    pub fn file(&self) -> &'a SceneFile {
-        self.file
-    }
-
-    /// The scale at which everything here is.
-    pub fn scale(&self) -> Scale {
-        self.scale
-    }
-
-    /// The object of the file that [`whitted::Hit::object`] names.
-    pub fn in_file(&self, object: usize) -> &'a scene_file::Object {
-        &self.file.objects[self.in_file[object]]
-    }
-
-    /// The camera for a picture of some size in pixels; `None` where the file has none.
-    ///
-    /// # Errors
-    ///
-    /// Where it shows nothing.
-    pub fn camera(&self, width: u32, height: u32) -> Result<Option<View>, SceneError> {
-        let Some(camera) = &self.file.camera else {
-            return Ok(None);
-        };
-        let (eye, target) = (
-            self.scale.point(camera.eye),
-            self.scale.point(camera.target),
-        );
-        let up = direction(camera.up);
-        let tan_half = |degrees: f64| libm::tan(degrees.to_radians() / 2.0) as f32;
-        let view = match camera.lens {
-            Lens::Vertical { degrees } => {
-                let aspect = width as f32 / height as f32;
-                Camera::look_at(eye, target, up, tan_half(degrees), aspect)
-            }
-            Lens::Both { degrees } => Camera::look_at(eye, target, up, tan_half(degrees), 1.0),
-            Lens::Frustum {
-                left,
-                right,
-                bottom,
-                top,
-                distance,
-            } => {
-                let [left, right, bottom, top, distance] =
-                    proportions([left, right, bottom, top, distance]);
-                Camera::frustum(eye, target, up, left, right, bottom, top, distance)
-            }
-        };
-        match view {
-            Ok(camera) => Ok(Some(View {
-                camera,
-                width,
-                height,
-            })),
-            Err(error) => Err(self.file.error(camera.place, error.into())),
-        }
-    }
+/// A leaf of a solid.
+fn leaf<'a>(object: &'a scene_file::Object, pool: &'a Pool) -> Result<Leaf<'a>, (Place, Problem)> {
+    let polygons = &mut 0;
+    let mut one = Content::default();
+    one.objects(std::slice::from_ref(object), pool, polygons)?;
+    let leaf = match (&one.spheres[..], &one.planes[..], &one.cuboids[..]) {
+        ([it], ..) => Leaf::Sphere(*it),
+        (_, [it], _) => Leaf::Plane(*it),
+        (.., [it]) => Leaf::Cuboid(*it),
+        _ => match (&one.quadrics[..], &one.tori[..]) {
+            ([it], _) => Leaf::Quadric(*it),
+            (_, [it]) => Leaf::Torus(*it),
+            // A file has no others.
+            _ => return Err((object.place, Problem::NoInside("this shape has no inside"))),
+        },
+    };
+    Ok(leaf)
 }
 
 #[cfg(test)]
@@ -373,8 +487,8 @@ mod tests {
     use std::path::Path;
 
     use whitted::{
-        CameraError, CuboidError, FrustumError, Geometry, PatchError, PlaneError, PolygonError,
-        QuadricError, SphereError, TorusError,
+        CameraError, CuboidError, FrustumError, Geometry, PatchError, PlacementError, PlaneError,
+        PolygonError, QuadricError, SphereError, TorusError,
     };
 
     use super::*;
@@ -479,6 +593,12 @@ mod tests {
                     "quadric]]\ncenter = [0, 0, 0]\nsquares = [1, 0, 0]\nmin = [1, 1, 1]\nmax = [0, 2, 2]",
                 ),
                 Problem::Quadric(QuadricError::EmptyClip),
+            ),
+            (
+                "[group.a]\n[[instance]]\nof = 'a'\n[[group.a.plane]]\nmaterial = 'b'\n\
+                 point = [0, 0, 0]\nnormal = [0, 1, 0]\n[material.b]"
+                    .replace("of = 'a'", "of = 'a'\nscale = [1, 0, 1]"),
+                Problem::Placement(PlacementError::Singular),
             ),
             (
                 camera("eye = [1, 2, 3]\ntarget = [1, 2, 3]\nfov = 30"),

@@ -15,12 +15,14 @@ pub mod map;
 pub mod nff;
 mod quadric;
 mod scale;
+mod solid;
 pub mod toml;
 
 pub(crate) use error::{Located, at};
 pub use error::{Place, Problem, SceneError};
 pub use quadric::{General, Quadric};
 pub use scale::{Scale, direction, proportions};
+pub use solid::{Group, Instance, Solid, Step};
 
 /// A scene as a file describes it. Lengths share one unit of the file's choice; colours are linear.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +45,12 @@ pub struct SceneFile {
     pub lights: Vec<Light>,
     /// In file order.
     pub objects: Vec<Object>,
+    /// In file order.
+    pub solids: Vec<Solid>,
+    /// In file order.
+    pub groups: Vec<Group>,
+    /// By group, and in file order; what groups place in groups is placed in the world.
+    pub instances: Vec<Instance>,
 }
 
 /// Who looks at the scene, and how.
@@ -244,7 +252,20 @@ impl SceneFile {
             materials: Vec::new(),
             lights: Vec::new(),
             objects: Vec::new(),
+            solids: Vec::new(),
+            groups: Vec::new(),
+            instances: Vec::new(),
         }
+    }
+
+    /// All objects, in the order in which the scene's geometry has them: leaves of solids count, and
+    /// those of groups count once.
+    pub fn all_objects(&self) -> impl Iterator<Item = &Object> {
+        let of_groups = self
+            .groups
+            .iter()
+            .flat_map(|it| all(&it.objects, &it.solids));
+        all(&self.objects, &self.solids).chain(of_groups)
     }
 
     /// An error about this file.
@@ -255,6 +276,12 @@ impl SceneFile {
             problem,
         }
     }
+}
+
+fn all<'a>(objects: &'a [Object], solids: &'a [Solid]) -> impl Iterator<Item = &'a Object> {
+    objects
+        .iter()
+        .chain(solids.iter().flat_map(|it| &it.leaves))
 }
 
 /// [`SceneFile::depth`] of files that do not say: what the standard databases were made for.

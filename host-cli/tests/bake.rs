@@ -12,7 +12,7 @@ use whitted::Vec3;
 use whitted::embedded_graphics::pixelcolor::{IntoStorage, Rgb565, Rgb888};
 use whitted_cli::bake::{Module, bake, bake_map};
 use whitted_cli::map::HostMap;
-use whitted_cli::render::{Settings, render};
+use whitted_cli::render::{Settings, render_whole};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::{self, SceneFile, map};
 
@@ -42,7 +42,7 @@ impl Baked {
             }
             Ok::<_, Infallible>(())
         };
-        let Ok(_) = render(&scene.scene(), &view, 0..HEIGHT, settings, || (), emit);
+        let Ok(_) = render_whole(&scene, &view, 0..HEIGHT, settings, || (), emit);
         Self {
             name: name.to_owned(),
             module: bake(&scene, Some(&view)),
@@ -166,6 +166,39 @@ fn few() -> Baked {
     Baked::toml("few", &scene)
 }
 
+/// Groups, one of them with a hierarchy, placed in each other and in the world; solids in both.
+fn workshop() -> Baked {
+    let mut scene = format!(
+        "depth = 4\nbackground = [0.1, 0.2, 0.3]\n{CAMERA}\
+         [[light]]\nposition = [3, 5, 4]\ncolor = [0.9, 0.8, 0.7]\n\
+         [material.red]\ncolor = [0.9, 0.1, 0.1]\nreflectance = 0.3\n\
+         [material.glass]\ndiffuse = 0.1\ntransmittance = 0.8\nior = 1.4\n\
+         [[plane]]\npoint = [0, -0.5, 0]\nnormal = [0, 1, 0]\nmaterial = 'red'\n\
+         [[csg]]\nexpression = 'a & b - (c + d)'\n\
+         solid.a.box = {{ material = 'red', min = [-2, -0.5, -1], max = [-1, 0.5, 0] }}\n\
+         solid.b.sphere = {{ material = 'red', center = [-1.5, 0, -0.5], radius = 0.6 }}\n\
+         solid.c.cylinder = {{ material = 'glass', base = [-1.5, 0, -2], apex = [-1.5, 0, 2], \
+         radius = 0.25, closed = true }}\n\
+         solid.d.plane = {{ material = 'red', point = [0, 0.3, 0], normal = [0, -1, 0] }}\n\
+         [[group.cup.csg]]\nexpression = 'ball - hollow'\n\
+         solid.ball.sphere = {{ material = 'glass', center = [0, 0, 0], radius = 0.5 }}\n\
+         solid.hollow.torus = {{ material = 'glass', center = [0, 0.5, 0], axis = [0, 1, 0], \
+         major = 0.3, minor = 0.2 }}\n\
+         [[group.row.instance]]\nof = 'cup'\ntranslate = [0.5, 0.7, 0]\nscale = 0.5\n\
+         [[group.row.box]]\nmaterial = 'red'\nmin = [0, 0, 0]\nmax = [1, 0.1, 0.2]\n\
+         [[instance]]\nof = 'row'\nrotate = [10, 20, 30]\ntranslate = [0, 0.5, 0.5]\n\
+         [[instance]]\nof = 'row'\nscale = [-1, 2, 1]\ntranslate = [1.5, -0.4, 0]\n"
+    );
+    for i in 0..20 {
+        let (x, z) = (i as f32 * 0.06, (i * 7 % 5) as f32 * 0.1);
+        let _ = writeln!(
+            scene,
+            "[[group.row.sphere]]\ncenter = [{x}, 0.2, {z}]\nradius = 0.08\nmaterial = 'red'"
+        );
+    }
+    Baked::toml("workshop", &scene)
+}
+
 fn nothing() -> Baked {
     Baked::toml(
         "nothing",
@@ -277,6 +310,18 @@ fn types_name_what_the_scene_uses() {
         &["Culled", "LightBuffer", "Lamp", "i16", "512", "Glass"],
         &["Hierarchy", "FillLight", "Mirror"],
     );
+    workshop().assert_names(
+        &[
+            "Csg",
+            "Difference",
+            "Instance",
+            "Placement",
+            "Torus",
+            "Quadric",
+        ],
+        &["Culled", "PhongReal"],
+    );
+    few().assert_names(&[], &["Csg", "Instance", "Placement"]);
     for (baked, depth) in [(matte(), 1), (crowd(), 4), (tiny(), 5)] {
         let line = format!("pub const DEPTH: usize = {depth};");
         assert!(baked.module.text.contains(&line), "{}", baked.name);
@@ -338,6 +383,7 @@ fn baked_scenes_show_the_bits_of_their_files() {
         crowd(),
         tiny(),
         few(),
+        workshop(),
         nothing(),
         builtin(),
         castle(),

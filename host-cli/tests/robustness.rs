@@ -6,7 +6,7 @@ use std::path::Path;
 use whitted_cli::cast::{Query, cast_lines};
 use whitted_cli::inspect::inspect;
 use whitted_cli::picture::Picture;
-use whitted_cli::render::{Settings, render};
+use whitted_cli::render::{Settings, render_whole as render};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::{SceneError, SceneFile, nff, toml};
 
@@ -105,7 +105,7 @@ fn exercise(file: Result<SceneFile, SceneError>) -> bool {
             threshold: 0.0,
         };
         let rendered = render(
-            &scene.scene(),
+            &scene,
             &view,
             0..2,
             settings,

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use whitted::Tracer;
 use whitted::picture::{row, to_rgb8};
-use whitted_cli::render::{Settings, render as host_render};
+use whitted_cli::render::{Settings, render_whole as host_render};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::SceneFile;
 
@@ -24,7 +24,13 @@ pub fn render(file: &SceneFile, width: u32, height: u32) -> Vec<Vec3> {
     let host = HostScene::new(file, &pool).expect("a possible scene");
     let view = host.camera(width, height).expect("a possible camera");
     let view = view.expect("a camera");
-    let scene = host.scene();
+    let plain = host.scene();
+    let scene = whitted::Scene {
+        geometry: host.whole(|it| it),
+        lights: plain.lights,
+        background: plain.background,
+        ambient: plain.ambient,
+    };
     let line = |y| {
         let mut tracer = Tracer::<DEPTH>::new();
         tracer.depth = file.depth;
@@ -46,7 +52,7 @@ pub fn render_fast(file: &SceneFile, width: u32, height: u32) -> Vec<Vec3> {
     };
     let mut pixels = Vec::new();
     let Ok::<_, Infallible>(_) = host_render(
-        &host.scene(),
+        &host,
         &view,
         0..height,
         settings,

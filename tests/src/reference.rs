@@ -10,6 +10,7 @@ mod hierarchy;
 mod quadric;
 mod scene_file;
 mod shape;
+mod solid;
 mod torus;
 
 use glam::DVec3;

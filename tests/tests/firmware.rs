@@ -133,6 +133,8 @@ fn every_target_draws_what_the_host_draws() {
         "everything",
         "quadric",
         "torus",
+        "instance",
+        "csg",
         "six-spheres",
         "c-ray",
         "tiny",
@@ -531,6 +533,8 @@ const FEATURES: &[Feature] = &[
                 "outside",
                 "quadric",
                 "torus",
+                "instance",
+                "csg",
             ];
             is_on_or_above(program, "floor") || is_one_of(program, &others)
         },
@@ -542,7 +546,15 @@ const FEATURES: &[Feature] = &[
             &["Geometry for [Object", "fn blocks<"],
         )],
         named_by: |program| {
-            let opaque = ["matte-shadows", "c-ray", "outside", "quadric", "torus"];
+            let opaque = [
+                "matte-shadows",
+                "c-ray",
+                "outside",
+                "quadric",
+                "torus",
+                "instance",
+                "csg",
+            ];
             is_on_or_above(program, "shadows") && !is_on_or_above(program, "glass")
                 || is_one_of(program, &opaque)
         },
@@ -562,6 +574,8 @@ const FEATURES: &[Feature] = &[
                 "outside",
                 "quadric",
                 "torus",
+                "instance",
+                "csg",
             ];
             is_on_or_above(program, "highlight") && program != "everything"
                 || is_one_of(program, &others)
@@ -575,7 +589,7 @@ const FEATURES: &[Feature] = &[
     Feature {
         name: "boxes",
         bodies: &[intersect("core/src/shape/cuboid.rs")],
-        named_by: |program| is_on_or_above(program, "cuboid"),
+        named_by: |program| is_on_or_above(program, "cuboid") || program == "csg",
     },
     Feature {
         name: "frusta",
@@ -591,6 +605,16 @@ const FEATURES: &[Feature] = &[
         name: "tori",
         bodies: &[body("core/src/shape/torus.rs", &["fn walk<"])],
         named_by: |program| program == "torus",
+    },
+    Feature {
+        name: "instances",
+        bodies: &[body("core/src/instance.rs", &["fn local<"])],
+        named_by: |program| program == "instance",
+    },
+    Feature {
+        name: "solids that are joined",
+        bodies: &[body("core/src/csg.rs", &["fn surfaces<"])],
+        named_by: |program| program == "csg",
     },
     Feature {
         name: "mirrors",

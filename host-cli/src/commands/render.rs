@@ -15,7 +15,7 @@ use crate::args;
 use crate::map::HostMap;
 use crate::output::Output;
 use crate::picture::{Format, Transfer, Writer};
-use crate::render::{Settings, encode, render};
+use crate::render::{Settings, encode, render_whole};
 use crate::scene::{HostScene, Pool};
 use crate::scene_file::map::{self, MapFile};
 use crate::scene_file::{self, SceneFile};
@@ -72,7 +72,7 @@ impl Job<'_> {
         let settings = self.settings(file.depth);
         self.write(&view, rows.clone(), |progress, emit| {
             let row_done = || progress.inc(1);
-            let counters = render(&scene.scene(), &view, rows, settings, row_done, emit)?;
+            let counters = render_whole(&scene, &view, rows, settings, row_done, emit)?;
             Ok(Some(counters))
         })
     }

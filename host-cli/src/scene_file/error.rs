@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 use whitted::{
-    CameraError, CuboidError, FrustumError, PatchError, PlaneError, PolygonError, QuadricError,
-    SphereError, TorusError,
+    CameraError, CuboidError, FrustumError, PatchError, PlacementError, PlaneError, PolygonError,
+    QuadricError, SphereError, TorusError,
 };
 
 use super::limits::Range;
@@ -189,6 +189,24 @@ pub enum Problem {
     /// A quadric that is none.
     #[error("quadric: {0}")]
     Quadric(#[from] QuadricError),
+    /// A placement that is none.
+    #[error("instance: {0}")]
+    Placement(#[from] PlacementError),
+    /// A group's name that no group has.
+    #[error("no group is named `{0}`")]
+    UnknownGroup(String),
+    /// A group that is part of itself.
+    #[error("group `{0}` places itself")]
+    Cycle(String),
+    /// A solid's name that the expression's table does not have.
+    #[error("no solid is named `{0}` here")]
+    UnknownSolid(String),
+    /// A solid that the expression does not name.
+    #[error("solid `{0}` is not part of the expression")]
+    UnusedSolid(String),
+    /// A shape that has no inside.
+    #[error("{0}")]
+    NoInside(&'static str),
     /// A torus that is none.
     #[error("torus: {0}")]
     Torus(#[from] TorusError),

@@ -10,6 +10,10 @@ pub const NFF_BYTES: u64 = 256 << 20;
 pub const TOML_BYTES: u64 = 16 << 20;
 /// Most objects.
 pub const OBJECTS: usize = 1 << 22;
+/// Most leaves of a solid.
+pub const LEAVES: usize = 32;
+/// Most instances, those of instances counted.
+pub const INSTANCES: usize = 1 << 16;
 /// Most different materials.
 pub const MATERIALS: usize = 1 << 20;
 /// Most lights.

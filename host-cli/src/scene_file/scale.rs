@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 use glam::Vec3;
 
-use super::{Camera, Lens, Light, Object, SceneFile, Shape};
+use super::{Camera, Group, Instance, Lens, Light, Object, SceneFile, Shape, Solid};
 
 /// Lengths in a file are those that are cast times 2^`exponent`.
 ///
@@ -38,7 +38,7 @@ impl Scale {
             length
         };
         let mut least = f64::INFINITY;
-        for object in &file.objects {
+        for object in file.all_objects() {
             object.shape.map(&note, &|vector| vector);
             object.shape.sizes(&mut |size| {
                 if size.abs() >= f64::MIN_POSITIVE {
@@ -46,7 +46,13 @@ impl Scale {
                 }
             });
         }
-        for length in file.lights.iter().flat_map(|it| it.position) {
+        let instances = file.instances.iter().flat_map(|it| it.translation);
+        for length in file
+            .lights
+            .iter()
+            .flat_map(|it| it.position)
+            .chain(instances)
+        {
             note(length);
         }
         if let Some(camera) = &file.camera {
@@ -135,6 +141,22 @@ impl SceneFile {
         let scale = self.scale();
         let length = |it| scale.unscaled(scale.length(it));
         let number = |it| f64::from(it as f32);
+        let objects = |all: &[Object]| -> Vec<_> {
+            all.iter()
+                .map(|it| Object {
+                    shape: it.shape.map(&length, &rounded_proportions),
+                    ..*it
+                })
+                .collect()
+        };
+        let solids = |all: &[Solid]| -> Vec<_> {
+            all.iter()
+                .map(|it| Solid {
+                    leaves: objects(&it.leaves),
+                    ..it.clone()
+                })
+                .collect()
+        };
         Self {
             camera: self.camera.map(|it| Camera {
                 lens: it.lens.rounded(),
@@ -166,11 +188,23 @@ impl SceneFile {
                     ..*it
                 })
                 .collect(),
-            objects: self
-                .objects
+            objects: objects(&self.objects),
+            solids: solids(&self.solids),
+            groups: self
+                .groups
                 .iter()
-                .map(|it| Object {
-                    shape: it.shape.map(&length, &rounded_proportions),
+                .map(|it| Group {
+                    objects: objects(&it.objects),
+                    solids: solids(&it.solids),
+                    ..it.clone()
+                })
+                .collect(),
+            instances: self
+                .instances
+                .iter()
+                .map(|it| Instance {
+                    axes: it.axes.map(|it| it.map(number)),
+                    translation: it.translation.map(length),
                     ..*it
                 })
                 .collect(),

@@ -5,13 +5,14 @@ use std::fmt;
 use std::path::Path;
 
 use ::toml::Spanned;
-use serde::de::Visitor;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::limits::{self, Range};
 use super::{
-    Camera, DEFAULT_DEPTH, General, Lens, Light, Located, Material, Object, Place, Problem,
-    Quadric, SceneError, SceneFile, Shape, at,
+    Camera, DEFAULT_DEPTH, General, Group, Instance, Lens, Light, Located, Material, Object, Place,
+    Problem, Quadric, SceneError, SceneFile, Shape, Solid, at, solid,
 };
 use crate::scene_file::error::excerpt;
 
@@ -117,48 +118,181 @@ impl<'de> Deserialize<'de> for Number {
 pub(super) type Real = Spanned<Number>;
 pub(super) type Point = Spanned<[Number; 3]>;
 
+/// A table that may hold shapes of all kinds beside its own fields.
+macro_rules! with_shapes {
+    ($(#[$meta:meta])* struct $name:ident { $($fields:tt)* }) => {
+        $(#[$meta])*
+        struct $name {
+            $($fields)*
+            #[serde(default)]
+            sphere: Vec<Spanned<SphereFields>>,
+            #[serde(default)]
+            plane: Vec<Spanned<PlaneFields>>,
+            #[serde(default)]
+            polygon: Vec<Spanned<PolygonFields>>,
+            #[serde(default)]
+            triangle: Vec<Spanned<TriangleFields>>,
+            #[serde(default)]
+            patch: Vec<Spanned<PatchFields>>,
+            #[serde(default, rename = "box")]
+            cuboid: Vec<Spanned<BoxFields>>,
+            #[serde(default)]
+            frustum: Vec<Spanned<FrustumFields>>,
+            #[serde(default)]
+            cylinder: Vec<Spanned<CylinderFields>>,
+            #[serde(default)]
+            cone: Vec<Spanned<ConeFields>>,
+            #[serde(default)]
+            ellipsoid: Vec<Spanned<EllipsoidFields>>,
+            #[serde(default)]
+            paraboloid: Vec<Spanned<ParaboloidFields>>,
+            #[serde(default)]
+            hyperboloid: Vec<Spanned<HyperboloidFields>>,
+            #[serde(default)]
+            quadric: Vec<Spanned<QuadricFields>>,
+            #[serde(default)]
+            torus: Vec<Spanned<TorusFields>>,
+            #[serde(default)]
+            csg: Vec<Spanned<CsgFields>>,
+            #[serde(default)]
+            instance: Vec<Spanned<InstanceFields>>,
+        }
+
+        impl $name {
+            /// Its shapes, in no order.
+            fn gather<'f>(
+                &'f self,
+                check: &Checker<'_>,
+                found: &mut Vec<Entry<'f>>,
+            ) -> Result<(), Located> {
+                check.gather(&self.sphere, found)?;
+                check.gather(&self.plane, found)?;
+                check.gather(&self.polygon, found)?;
+                check.gather(&self.triangle, found)?;
+                check.gather(&self.patch, found)?;
+                check.gather(&self.cuboid, found)?;
+                check.gather(&self.frustum, found)?;
+                check.gather(&self.cylinder, found)?;
+                check.gather(&self.cone, found)?;
+                check.gather(&self.ellipsoid, found)?;
+                check.gather(&self.paraboloid, found)?;
+                check.gather(&self.hyperboloid, found)?;
+                check.gather(&self.quadric, found)?;
+                check.gather(&self.torus, found)?;
+                Ok(())
+            }
+        }
+    };
+}
+
+with_shapes! {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Document {
+        size: Option<Spanned<[u64; 2]>>,
+        depth: Option<Spanned<u64>>,
+        #[serde(default = "yes")]
+        shadows: bool,
+        background: Option<Point>,
+        ambient: Option<Point>,
+        camera: Option<Spanned<CameraFields>>,
+        #[serde(default)]
+        light: Vec<Spanned<LightFields>>,
+        #[serde(default)]
+        material: HashMap<Spanned<String>, MaterialFields>,
+        #[serde(default)]
+        group: HashMap<Spanned<String>, GroupFields>,
+    }
+}
+
+with_shapes! {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct GroupFields {}
+}
+
+/// A solid that is joined of others.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Document {
-    size: Option<Spanned<[u64; 2]>>,
-    depth: Option<Spanned<u64>>,
-    #[serde(default = "yes")]
-    shadows: bool,
-    background: Option<Point>,
-    ambient: Option<Point>,
-    camera: Option<Spanned<CameraFields>>,
-    #[serde(default)]
-    light: Vec<Spanned<LightFields>>,
-    #[serde(default)]
-    material: HashMap<Spanned<String>, MaterialFields>,
-    #[serde(default)]
-    sphere: Vec<Spanned<SphereFields>>,
-    #[serde(default)]
-    plane: Vec<Spanned<PlaneFields>>,
-    #[serde(default)]
-    polygon: Vec<Spanned<PolygonFields>>,
-    #[serde(default)]
-    triangle: Vec<Spanned<TriangleFields>>,
-    #[serde(default)]
-    patch: Vec<Spanned<PatchFields>>,
-    #[serde(default, rename = "box")]
-    cuboid: Vec<Spanned<BoxFields>>,
-    #[serde(default)]
-    frustum: Vec<Spanned<FrustumFields>>,
-    #[serde(default)]
-    cylinder: Vec<Spanned<CylinderFields>>,
-    #[serde(default)]
-    cone: Vec<Spanned<ConeFields>>,
-    #[serde(default)]
-    ellipsoid: Vec<Spanned<EllipsoidFields>>,
-    #[serde(default)]
-    paraboloid: Vec<Spanned<ParaboloidFields>>,
-    #[serde(default)]
-    hyperboloid: Vec<Spanned<HyperboloidFields>>,
-    #[serde(default)]
-    quadric: Vec<Spanned<QuadricFields>>,
-    #[serde(default)]
-    torus: Vec<Spanned<TorusFields>>,
+struct CsgFields {
+    expression: Spanned<String>,
+    solid: HashMap<Spanned<String>, SolidFields>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SolidFields {
+    Sphere(SphereFields),
+    Plane(PlaneFields),
+    Box(BoxFields),
+    Frustum(FrustumFields),
+    Cylinder(CylinderFields),
+    Cone(ConeFields),
+    Ellipsoid(EllipsoidFields),
+    Paraboloid(ParaboloidFields),
+    Hyperboloid(HyperboloidFields),
+    Quadric(Box<QuadricFields>),
+    Torus(TorusFields),
+}
+
+impl SolidFields {
+    fn fields(&self) -> &dyn ShapeFields {
+        match self {
+            Self::Sphere(it) => it,
+            Self::Plane(it) => it,
+            Self::Box(it) => it,
+            Self::Frustum(it) => it,
+            Self::Cylinder(it) => it,
+            Self::Cone(it) => it,
+            Self::Ellipsoid(it) => it,
+            Self::Paraboloid(it) => it,
+            Self::Hyperboloid(it) => it,
+            Self::Quadric(it) => &**it,
+            Self::Torus(it) => it,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct InstanceFields {
+    of: Spanned<String>,
+    scale: Option<Spanned<Factors>>,
+    rotate: Option<Point>,
+    translate: Option<Point>,
+    matrix: Option<Spanned<[[Number; 4]; 3]>>,
+}
+
+/// Three numbers, or one for three.
+struct Factors([Number; 3]);
+
+impl<'de> Deserialize<'de> for Factors {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct FactorsVisitor;
+
+        impl<'de> Visitor<'de> for FactorsVisitor {
+            type Value = Factors;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or three numbers")
+            }
+
+            fn visit_f64<E>(self, number: f64) -> Result<Factors, E> {
+                Ok(Factors([Number(number); 3]))
+            }
+
+            fn visit_i64<E>(self, number: i64) -> Result<Factors, E> {
+                Ok(Factors([Number(number as f64); 3]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, numbers: A) -> Result<Factors, A::Error> {
+                let numbers = SeqAccessDeserializer::new(numbers);
+                <[Number; 3]>::deserialize(numbers).map(Factors)
+            }
+        }
+
+        deserializer.deserialize_any(FactorsVisitor)
+    }
 }
 
 fn yes() -> bool {
@@ -732,6 +866,31 @@ impl Checker<'_> {
         Ok(())
     }
 
+    /// Instances, and the groups that they name.
+    fn instances(
+        &self,
+        all: &[Spanned<InstanceFields>],
+        groups: &HashMap<&str, usize>,
+    ) -> Result<Vec<Instance>, Located> {
+        all.iter()
+            .map(|it| {
+                let (place, fields) = (self.places.start(it), it.get_ref());
+                let name = fields.of.get_ref().as_str();
+                let group = *groups.get(name).ok_or_else(|| {
+                    let problem = Problem::UnknownGroup(excerpt(name.as_bytes()));
+                    (self.places.start(&fields.of), problem)
+                })?;
+                let (axes, translation) = fields.read(self)?;
+                Ok(Instance {
+                    place,
+                    group,
+                    axes,
+                    translation,
+                })
+            })
+            .collect()
+    }
+
     /// Where something stands.
     pub(super) fn start<T>(&self, spanned: &Spanned<T>) -> Place {
         self.places.start(spanned)
@@ -828,40 +987,211 @@ impl Document {
         check: &Checker<'_>,
         names: &HashMap<String, usize>,
     ) -> Result<(), Located> {
+        let mut reader = ObjectReader {
+            check,
+            names,
+            count: 0,
+        };
         let mut found = Vec::new();
-        check.gather(&self.sphere, &mut found)?;
-        check.gather(&self.plane, &mut found)?;
-        check.gather(&self.polygon, &mut found)?;
-        check.gather(&self.triangle, &mut found)?;
-        check.gather(&self.patch, &mut found)?;
-        check.gather(&self.cuboid, &mut found)?;
-        check.gather(&self.frustum, &mut found)?;
-        check.gather(&self.cylinder, &mut found)?;
-        check.gather(&self.cone, &mut found)?;
-        check.gather(&self.ellipsoid, &mut found)?;
-        check.gather(&self.paraboloid, &mut found)?;
-        check.gather(&self.hyperboloid, &mut found)?;
-        check.gather(&self.quadric, &mut found)?;
-        check.gather(&self.torus, &mut found)?;
-        found.sort_by_key(|it| it.start);
-        if found.len() > limits::OBJECTS {
-            let place = check.places.of(found[limits::OBJECTS].start);
-            return Err((place, too_many("objects", limits::OBJECTS)));
-        }
-        for (index, entry) in found.into_iter().enumerate() {
-            let name = entry.material;
-            let material = *names.get(name.get_ref()).ok_or_else(|| {
-                let problem = Problem::UnknownMaterial(excerpt(name.get_ref().as_bytes()));
-                (check.places.start(name), problem)
-            })?;
-            file.objects.push(Object {
-                place: check.places.of(entry.start),
-                index,
-                material,
-                shape: entry.shape,
+        self.gather(check, &mut found)?;
+        file.objects = reader.objects(found)?;
+        file.solids = reader.solids(&self.csg)?;
+        let mut groups: Vec<_> = self.group.iter().collect();
+        groups.sort_by_key(|(name, _)| name.span().start);
+        let places: HashMap<_, _> = (groups.iter().enumerate())
+            .map(|(place, (name, _))| (name.get_ref().as_str(), place))
+            .collect();
+        let mut within = Vec::new();
+        for (name, fields) in groups {
+            let mut found = Vec::new();
+            fields.gather(check, &mut found)?;
+            within.push(check.instances(&fields.instance, &places)?);
+            file.groups.push(Group {
+                place: check.places.start(name),
+                name: name.get_ref().clone(),
+                objects: reader.objects(found)?,
+                solids: reader.solids(&fields.csg)?,
             });
         }
+        let top = check.instances(&self.instance, &places)?;
+        file.instances = placed(&file.groups, &within, top)?;
         Ok(())
+    }
+}
+
+/// Makes objects of what stands in the file.
+struct ObjectReader<'a> {
+    check: &'a Checker<'a>,
+    /// Which material each name means.
+    names: &'a HashMap<String, usize>,
+    /// Of objects so far.
+    count: usize,
+}
+
+impl ObjectReader<'_> {
+    fn object(&mut self, entry: Entry<'_>) -> Result<Object, Located> {
+        if self.count == limits::OBJECTS {
+            let place = self.check.places.of(entry.start);
+            return Err((place, too_many("objects", limits::OBJECTS)));
+        }
+        let name = entry.material;
+        let material = *self.names.get(name.get_ref()).ok_or_else(|| {
+            let problem = Problem::UnknownMaterial(excerpt(name.get_ref().as_bytes()));
+            (self.check.places.start(name), problem)
+        })?;
+        let index = self.count;
+        self.count += 1;
+        Ok(Object {
+            place: self.check.places.of(entry.start),
+            index,
+            material,
+            shape: entry.shape,
+        })
+    }
+
+    /// In file order.
+    fn objects(&mut self, mut found: Vec<Entry<'_>>) -> Result<Vec<Object>, Located> {
+        found.sort_by_key(|it| it.start);
+        found.into_iter().map(|it| self.object(it)).collect()
+    }
+
+    fn solids(&mut self, all: &[Spanned<CsgFields>]) -> Result<Vec<Solid>, Located> {
+        all.iter()
+            .map(|it| self.solid(it.get_ref(), self.check.places.start(it)))
+            .collect()
+    }
+
+    fn solid(&mut self, fields: &CsgFields, place: Place) -> Result<Solid, Located> {
+        let at = self.check.places.start(&fields.expression);
+        let (steps, names) = solid::expression(fields.expression.get_ref(), at)?;
+        let unused = fields
+            .solid
+            .keys()
+            .filter(|it| !names.contains(&it.get_ref().as_str()));
+        if let Some(name) = unused.min_by_key(|it| it.span().start) {
+            let problem = Problem::UnusedSolid(excerpt(name.get_ref().as_bytes()));
+            return Err((self.check.places.start(name), problem));
+        }
+        let mut leaves = Vec::new();
+        for name in names {
+            let (key, fields) = (fields.solid)
+                .get_key_value(name)
+                .ok_or_else(|| (at, Problem::UnknownSolid(excerpt(name.as_bytes()))))?;
+            let fields = fields.fields();
+            let entry = Entry {
+                start: key.span().start,
+                material: fields.material(),
+                shape: fields.shape(self.check)?,
+            };
+            if let Some(problem) = solid::lacks_inside(&entry.shape) {
+                return Err((self.check.places.start(key), problem));
+            }
+            leaves.push(self.object(entry)?);
+        }
+        Ok(Solid {
+            place,
+            leaves,
+            steps,
+        })
+    }
+}
+
+/// All instances in the world, of those that stand in it and those in each group.
+fn placed(
+    groups: &[Group],
+    within: &[Vec<Instance>],
+    top: Vec<Instance>,
+) -> Result<Vec<Instance>, Located> {
+    // A group whose groups are all sorted out is, too; what is left over places itself.
+    let mut users = vec![Vec::new(); groups.len()];
+    let mut open: Vec<_> = within.iter().map(Vec::len).collect();
+    for (group, instances) in within.iter().enumerate() {
+        instances.iter().for_each(|it| users[it.group].push(group));
+    }
+    let mut done: Vec<_> = (0..groups.len()).filter(|&it| open[it] == 0).collect();
+    while let Some(group) = done.pop() {
+        for &user in &users[group] {
+            open[user] -= 1;
+            if open[user] == 0 {
+                done.push(user);
+            }
+        }
+    }
+    // Of those that are left over, one that is only on the way to a circle has a group beyond it.
+    if let Some(start) = open.iter().position(|&it| it > 0) {
+        let mut group = start;
+        for _ in 0..groups.len() {
+            let next = within[group].iter().find(|it| open[it.group] > 0);
+            group = next.map_or(group, |it| it.group);
+        }
+        let Group { place, name, .. } = &groups[group];
+        return Err((*place, Problem::Cycle(excerpt(name.as_bytes()))));
+    }
+    let mut waiting: Vec<_> = top.into_iter().rev().collect();
+    let mut placed = Vec::new();
+    let mut count = 0;
+    while let Some(it) = waiting.pop() {
+        count += 1;
+        if count > limits::INSTANCES {
+            return Err((it.place, too_many("instances", limits::INSTANCES)));
+        }
+        let outer = (it.axes, it.translation);
+        for inner in within[it.group].iter().rev() {
+            let (axes, translation) = solid::compose(outer, (inner.axes, inner.translation));
+            waiting.push(Instance {
+                axes,
+                translation,
+                ..*inner
+            });
+        }
+        let group = &groups[it.group];
+        if !(group.objects.is_empty() && group.solids.is_empty()) {
+            placed.push(it);
+        }
+    }
+    // A geometry has the instances of a group next to each other.
+    placed.sort_by_key(|it| it.group);
+    Ok(placed)
+}
+
+impl InstanceFields {
+    /// The axes and the translation: scaled, then turned, then moved.
+    fn read(&self, check: &Checker<'_>) -> Result<([[f64; 3]; 3], [f64; 3]), Located> {
+        if let Some(matrix) = &self.matrix {
+            let parts = [
+                self.scale.is_some(),
+                self.rotate.is_some(),
+                self.translate.is_some(),
+            ];
+            let place = check.places.start(matrix);
+            if parts.contains(&true) {
+                let problem = "an instance has a `matrix`, or `scale`, `rotate` and `translate`";
+                return Err((place, Problem::Contradiction(problem)));
+            }
+            let rows = matrix.get_ref();
+            for Number(number) in rows.iter().flatten() {
+                let what = "a number of the matrix";
+                Range::Length.check(what, *number).map_err(at(place))?;
+            }
+            let column = |axis: usize| rows.map(|row| row[axis].0);
+            return Ok(([column(0), column(1), column(2)], column(3)));
+        }
+        let mut axes = [[0.0; 3]; 3];
+        for (axis, column) in axes.iter_mut().enumerate() {
+            column[axis] = match &self.scale {
+                Some(scale) => Range::Length
+                    .check("a factor", scale.get_ref().0[axis].0)
+                    .map_err(at(check.places.start(scale)))?,
+                None => 1.0,
+            };
+        }
+        let point = |what, point: &Option<Point>| match point {
+            Some(point) => check.point(what, point),
+            None => Ok([0.0; 3]),
+        };
+        let turn = solid::rotation(point("an angle", &self.rotate)?);
+        let translation = point("a component of the translation", &self.translate)?;
+        Ok(solid::compose((turn, translation), (axes, [0.0; 3])))
     }
 }
 
@@ -958,6 +1288,181 @@ mod tests {
     }
 
     #[test]
+    fn groups_are_placed_in_the_world() {
+        let ball = "material = 'a'\ncenter = [0, 0, 0]\nradius = 1\n";
+        let file = read(&format!(
+            "[material.a]\n[[group.ball.sphere]]\n{ball}\
+             [[group.pair.instance]]\nof = 'ball'\ntranslate = [1, 0, 0]\n\
+             [[group.pair.instance]]\nof = 'ball'\nscale = [1, 2, 3]\n\
+             [[group.pair.sphere]]\n{ball}\
+             [[instance]]\nof = 'pair'\nscale = 2\nrotate = [0, 0, 90]\ntranslate = [5, 6, 7]\n\
+             [[instance]]\nof = 'ball'\nmatrix = [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12]]\n\
+             [[sphere]]\n{ball}",
+        ))
+        .unwrap();
+        let names: Vec<_> = file.groups.iter().map(|it| it.name.as_str()).collect();
+        assert_eq!(names, ["ball", "pair"]);
+        let indices: Vec<_> = file.all_objects().map(|it| it.index).collect();
+        assert_eq!(indices, [0, 1, 2]);
+        let (y, x) = ([0.0, 2.0, 0.0], [-2.0, 0.0, 0.0]);
+        let placed: Vec<_> = file
+            .instances
+            .iter()
+            .map(|it| (it.group, it.axes, it.translation))
+            .collect();
+        let expected = [
+            // To the right of the pair is above in the world.
+            (0, [y, x, [0.0, 0.0, 2.0]], [5.0, 8.0, 7.0]),
+            (0, [y, [-4.0, 0.0, 0.0], [0.0, 0.0, 6.0]], [5.0, 6.0, 7.0]),
+            (
+                0,
+                [[1.0, 5.0, 9.0], [2.0, 6.0, 10.0], [3.0, 7.0, 11.0]],
+                [4.0, 8.0, 12.0],
+            ),
+            (1, [y, x, [0.0, 0.0, 2.0]], [5.0, 6.0, 7.0]),
+        ];
+        assert_eq!(placed, expected);
+    }
+
+    #[test]
+    fn solids_have_their_leaves_in_the_order_of_the_expression() {
+        let file = read(
+            "[material.a]\n[[csg]]\nexpression = 'ring - (ball + floor) & ball'\n\
+             solid.ball.sphere = { material = 'a', center = [0, 0, 0], radius = 1 }\n\
+             solid.floor.plane = { material = 'a', point = [0, 0, 0], normal = [0, 1, 0] }\n\
+             [csg.solid.ring.torus]\nmaterial = 'a'\ncenter = [0, 0, 0]\naxis = [0, 1, 0]\n\
+             major = 2\nminor = 1\n",
+        )
+        .unwrap();
+        let [solid] = &file.solids[..] else {
+            panic!("{:?}", file.solids);
+        };
+        let names: Vec<_> = solid.leaves.iter().map(|it| it.shape.name()).collect();
+        assert_eq!(names, ["torus", "sphere", "plane", "sphere"]);
+        use crate::scene_file::Step::{Difference, Intersection, Leaf, Union};
+        assert_eq!(
+            solid.steps,
+            [Leaf, Leaf, Leaf, Union, Leaf, Intersection, Difference]
+        );
+    }
+
+    #[test]
+    fn groups_and_solids_that_are_none_are_errors_at_their_place() {
+        let ball = "sphere = { material = 'a', center = [0, 0, 0], radius = 1 }";
+        let csg = |rest: &str| format!("[material.a]\n[[csg]]\n{rest}");
+        let mut doubling = format!("[material.a]\n[[group.g0.{}", "sphere]]\nmaterial = 'a'\n");
+        doubling += "center = [0, 0, 0]\nradius = 1\n";
+        for i in 1..20 {
+            for _ in 0..2 {
+                doubling += &format!("[[group.g{i}.instance]]\nof = 'g{}'\n", i - 1);
+            }
+        }
+        doubling += "[[instance]]\nof = 'g19'\n";
+        let cases = [
+            (
+                "[[instance]]\nof = 'b'".to_owned(),
+                "2:6: no group is named `b`",
+            ),
+            (
+                "[group.b]\n[[group.c.instance]]\nof = 'd'".to_owned(),
+                "3:6: no group is named `d`",
+            ),
+            (
+                "[[group.b.instance]]\nof = 'b'".to_owned(),
+                "1:9: group `b` places itself",
+            ),
+            (
+                "[[group.b.instance]]\nof = 'c'\n[[group.c.instance]]\nof = 'd'\n\
+                 [[group.d.instance]]\nof = 'e'\n[[group.d.instance]]\nof = 'c'\n[group.e]"
+                    .to_owned(),
+                "3:9: group `c` places itself",
+            ),
+            (doubling, "39:1: more than 65536 instances"),
+            (
+                "[group.b]\n[[instance]]\nof = 'b'\nscale = [1, 2]".to_owned(),
+                "4:9: invalid length 2, expected an array of length 3",
+            ),
+            (
+                "[group.b]\n[[instance]]\nof = 'b'\nscale = 'x'".to_owned(),
+                "4:9: invalid type: string \"x\", expected a number or three numbers",
+            ),
+            (
+                "[group.b]\n[[instance]]\nof = 'b'\nscale = inf".to_owned(),
+                "4:9: a factor is inf: not a finite 32-bit float",
+            ),
+            (
+                "[group.b]\n[[instance]]\nof = 'b'\nrotate = [0, nan, 0]".to_owned(),
+                "4:10: an angle is NaN: not a finite 32-bit float",
+            ),
+            (
+                "[group.b]\n[[instance]]\nof = 'b'\ntranslate = [0, 1e39, 0]".to_owned(),
+                "4:13: a component of the translation is 1e39: not a finite 32-bit float",
+            ),
+            (
+                "[group.b]\n[[instance]]\nof = 'b'\n\
+                 matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, nan, 0]]"
+                    .to_owned(),
+                "4:10: a number of the matrix is NaN: not a finite 32-bit float",
+            ),
+            (
+                "[group.b]\n[[instance]]\nof = 'b'\nscale = 2\n\
+                 matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]"
+                    .to_owned(),
+                "5:10: an instance has a `matrix`, or `scale`, `rotate` and `translate`",
+            ),
+            (
+                csg(&format!("expression = 'b + c'\nsolid.b.{ball}")),
+                "3:14: no solid is named `c` here",
+            ),
+            (
+                csg(&format!("expression = 'b'\nsolid.b.{ball}\nsolid.c.{ball}")),
+                "5:7: solid `c` is not part of the expression",
+            ),
+            (
+                csg(&format!("expression = 'b +'\nsolid.b.{ball}")),
+                "3:14: expected the name of a solid or `(`, found `the end of the expression`",
+            ),
+            (
+                csg("expression = 'b'\n\
+                     solid.b.sphere = { material = 'c', center = [0, 0, 0], radius = 1 }"),
+                "4:31: no material is named `c`",
+            ),
+            (
+                csg("expression = 'b'\n\
+                     solid.b.sphere = { material = 'a', center = [0, 0, 0], radius = -1 }"),
+                "4:7: the radius of a solid sphere is above 0",
+            ),
+            (
+                csg(
+                    "expression = 'b'\nsolid.b.cylinder = { material = 'a', base = [0, 0, 0], \
+                     apex = [0, 1, 0], radius = 1 }",
+                ),
+                "4:7: a solid must be closed: add `closed = true`",
+            ),
+            (
+                csg(
+                    "expression = 'b'\nsolid.b.paraboloid = { material = 'a', tip = [0, 0, 0], \
+                     end = [0, 1, 0], radius = 1 }",
+                ),
+                "4:7: a solid must be closed: add `closed = true`",
+            ),
+            (
+                csg("expression = 'b'\nsolid.b.triangle = {}"),
+                "4:9: unknown variant `triangle`, expected one of `sphere`, `plane`, `box`, \
+                 `frustum`, `cylinder`, `cone`, `ellipsoid`, `paraboloid`, `hyperboloid`, \
+                 `quadric`, `torus`",
+            ),
+        ];
+        for (text, message) in cases {
+            assert_eq!(
+                read(&text).unwrap_err(),
+                format!("t.toml:{message}"),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
     fn shapes_of_all_kinds_keep_their_order_in_the_file() {
         let file = read(
             "[material.a]\n\
@@ -1023,9 +1528,9 @@ mod tests {
             (
                 "colour = 1",
                 "1:1: unknown field `colour`, expected one of `size`, `depth`, `shadows`, \
-                 `background`, `ambient`, `camera`, `light`, `material`, `sphere`, `plane`, \
+                 `background`, `ambient`, `camera`, `light`, `material`, `group`, `sphere`, `plane`, \
                  `polygon`, `triangle`, `patch`, `box`, `frustum`, `cylinder`, `cone`, `ellipsoid`, \
-                 `paraboloid`, `hyperboloid`, `quadric`, `torus`",
+                 `paraboloid`, `hyperboloid`, `quadric`, `torus`, `csg`, `instance`",
             ),
             ("depth = 2\ndepth = 3", "2:1: duplicate key"),
             ("background = [1, 2", "1:19: unclosed array, expected `]`"),

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use whitted_cli::scene_file::{Lens, Material, Quadric, SceneFile, Shape};
+use whitted_cli::scene_file::{Lens, Material, Quadric, SceneFile, Shape, Solid, Step};
 
 fn vector(v: [f64; 3]) -> String {
     format!("<{:e},{:e},{:e}>", v[0], v[1], v[2])
@@ -188,6 +188,120 @@ fn clipped(
     }
 }
 
+/// A shape, but for planes, in POV-Ray's words.
+fn shape(of: &Shape, texture: &str) -> Option<String> {
+    let list = |points: &[[f64; 3]]| points.iter().map(|&it| vector(it)).collect::<Vec<_>>();
+    let text = match of {
+        Shape::Sphere { center, radius } => {
+            format!(
+                "sphere {{ {}, {} {texture} }}",
+                vector(*center),
+                radius.abs()
+            )
+        }
+        Shape::Polygon { vertices } => {
+            let mut closed = list(vertices);
+            closed.push(closed[0].clone());
+            format!(
+                "polygon {{ {}, {} {texture} }}",
+                closed.len(),
+                closed.join(",")
+            )
+        }
+        Shape::Triangle { vertices } => {
+            format!("triangle {{ {} {texture} }}", list(vertices).join(","))
+        }
+        Shape::Patch { vertices, normals } => {
+            let both: Vec<_> = vertices
+                .iter()
+                .zip(normals)
+                .flat_map(|(&a, &b)| [a, b])
+                .collect();
+            format!("smooth_triangle {{ {} {texture} }}", list(&both).join(","))
+        }
+        Shape::Box { min, max } => {
+            format!("box {{ {}, {} {texture} }}", vector(*min), vector(*max))
+        }
+        Shape::Frustum {
+            base,
+            base_radius,
+            apex,
+            apex_radius,
+        } => format!(
+            "cone {{ {}, {}, {}, {} open {texture} }}",
+            vector(*base),
+            base_radius.abs(),
+            vector(*apex),
+            apex_radius.abs()
+        ),
+        Shape::Quadric { form, closed } => {
+            format!("{}", quadric(form, *closed, &texture))
+        }
+        &Shape::Torus {
+            center,
+            axis,
+            major,
+            minor,
+        } => {
+            // POV-Ray's lies round the second axis of the world.
+            let axis = unit(axis);
+            let least = (0..3).min_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs()));
+            let mut other = [0.0; 3];
+            other[least.unwrap_or(0)] = 1.0;
+            let u = unit(cross(axis, other));
+            let rows = [u, axis, cross(u, axis), center].concat();
+            let rows: Vec<_> = rows.iter().map(|x| format!("{x:e}")).collect();
+            format!(
+                "torus {{ {major:e}, {minor:e} sturm matrix <{}> {texture} }}",
+                rows.join(",")
+            )
+        }
+        Shape::Plane { .. } => return None,
+    };
+    Some(text)
+}
+
+/// A solid, in POV-Ray's words.
+fn solid(file: &SceneFile, of: &Solid) -> Option<String> {
+    let mut materials = of.leaves.iter().map(|it| it.material);
+    let first = materials.next()?;
+    // Glass is one piece.
+    let is_one = materials.all(|it| it == first);
+    let mut waiting: Vec<String> = Vec::new();
+    let mut leaves = of.leaves.iter();
+    for step in &of.steps {
+        let word = match step {
+            Step::Leaf => {
+                let leaf = leaves.next()?;
+                let texture = match is_one {
+                    true => String::new(),
+                    false => texture(&file.materials[leaf.material]),
+                };
+                waiting.push(match leaf.shape {
+                    Shape::Plane { point, normal } => {
+                        let normal = unit(normal);
+                        let distance: f64 = (0..3).map(|i| point[i] * normal[i]).sum();
+                        format!("plane {{ {}, {distance:e} {texture} }}", vector(normal))
+                    }
+                    ref other => shape(other, &texture)?,
+                });
+                continue;
+            }
+            // Without the walls inside.
+            Step::Union => "merge",
+            Step::Intersection => "intersection",
+            Step::Difference => "difference",
+        };
+        let (right, left) = (waiting.pop()?, waiting.pop()?);
+        waiting.push(format!("{word} {{ {left} {right} }}"));
+    }
+    let texture = match is_one {
+        true => texture(&file.materials[first]),
+        false => String::new(),
+    };
+    Some(format!("union {{ {} {texture} }}", waiting.pop()?))
+}
+
 /// A scene without planes of its own; negative radii are drawn from both sides.
 pub fn write(file: &SceneFile) -> Option<String> {
     let camera = file.camera.as_ref()?;
@@ -246,94 +360,25 @@ pub fn write(file: &SceneFile) -> Option<String> {
         } else {
             texture(material)
         };
-        let list = |points: &[[f64; 3]]| points.iter().map(|&it| vector(it)).collect::<Vec<_>>();
-        let _ = match &object.shape {
-            Shape::Sphere { center, radius } => {
-                writeln!(
-                    text,
-                    "sphere {{ {}, {} {texture} }}",
-                    vector(*center),
-                    radius.abs()
-                )
-            }
-            Shape::Polygon { vertices } => {
-                let mut closed = list(vertices);
-                closed.push(closed[0].clone());
-                writeln!(
-                    text,
-                    "polygon {{ {}, {} {texture} }}",
-                    closed.len(),
-                    closed.join(",")
-                )
-            }
-            Shape::Triangle { vertices } => {
-                writeln!(
-                    text,
-                    "triangle {{ {} {texture} }}",
-                    list(vertices).join(",")
-                )
-            }
-            Shape::Patch { vertices, normals } => {
-                let both: Vec<_> = vertices
-                    .iter()
-                    .zip(normals)
-                    .flat_map(|(&a, &b)| [a, b])
-                    .collect();
-                writeln!(
-                    text,
-                    "smooth_triangle {{ {} {texture} }}",
-                    list(&both).join(",")
-                )
-            }
-            Shape::Box { min, max } => {
-                writeln!(
-                    text,
-                    "box {{ {}, {} {texture} }}",
-                    vector(*min),
-                    vector(*max)
-                )
-            }
-            Shape::Frustum {
-                base,
-                base_radius,
-                apex,
-                apex_radius,
-            } => writeln!(
-                text,
-                "cone {{ {}, {}, {}, {} open {texture} }}",
-                vector(*base),
-                base_radius.abs(),
-                vector(*apex),
-                apex_radius.abs()
-            ),
-            Shape::Quadric { form, closed } => {
-                writeln!(text, "{}", quadric(form, *closed, &texture))
-            }
-            &Shape::Torus {
-                center,
-                axis,
-                major,
-                minor,
-            } => {
-                // POV-Ray's lies round the second axis of the world.
-                let axis = unit(axis);
-                let least = (0..3).min_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs()));
-                let mut other = [0.0; 3];
-                other[least.unwrap_or(0)] = 1.0;
-                let u = unit(cross(axis, other));
-                let rows = [u, axis, cross(u, axis), center].concat();
-                let rows: Vec<_> = rows.iter().map(|x| format!("{x:e}")).collect();
-                writeln!(
-                    text,
-                    "torus {{ {major:e}, {minor:e} sturm matrix <{}> {texture} }}",
-                    rows.join(",")
-                )
-            }
-            Shape::Plane { .. } => return None,
-        };
+        let _ = writeln!(text, "{}", shape(&object.shape, &texture)?);
     }
     if let Some(material) = open {
         let _ = writeln!(text, "{} }}", texture(&file.materials[material]));
+    }
+    for of in &file.solids {
+        let _ = writeln!(text, "{}", solid(file, of)?);
+    }
+    for instance in &file.instances {
+        let group = &file.groups[instance.group];
+        let rows = [instance.axes.concat(), instance.translation.to_vec()].concat();
+        let rows: Vec<_> = rows.iter().map(|x| format!("{x:e}")).collect();
+        let shapes = group.objects.iter().map(|it| {
+            let texture = texture(&file.materials[it.material]);
+            shape(&it.shape, &texture)
+        });
+        for it in shapes.chain(group.solids.iter().map(|it| solid(file, it))) {
+            let _ = writeln!(text, "union {{ {} matrix <{}> }}", it?, rows.join(","));
+        }
     }
     Some(text)
 }

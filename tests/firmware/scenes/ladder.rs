@@ -7,10 +7,11 @@ use embedded_graphics::pixelcolor::{Rgb565, Rgb888};
 use embedded_graphics::prelude::{Point, Size};
 use embedded_graphics::primitives::Rectangle;
 use glam::Vec3;
+use whitted::csg::Difference;
 use whitted::{
-    Clip, Counters, Cuboid, Ends, FillLight, Frustum, Geometry, Glass, Light, Material, Mirror,
-    Object, Objects, Patch, Phong, PhongReal, Plane, Polygon, Quadric, Scene, Sphere, Torus,
-    Triangle, View, picture,
+    Clip, Counters, Csg, Cuboid, Ends, FillLight, Frustum, Geometry, Glass, Instance, Light,
+    Material, Mirror, Object, Objects, Patch, Phong, PhongReal, Placement, Plane, Polygon, Quadric,
+    Scene, Sphere, Torus, Triangle, View, picture,
 };
 
 use super::{Frame, Visitor, level_view};
@@ -81,6 +82,47 @@ const RING: Torus = Torus {
     major: 0.5,
     minor: 0.1875,
 };
+/// A ball to place.
+const EGG: Sphere = Sphere {
+    center: Vec3::ZERO,
+    radius: 1.0,
+};
+/// Standing on the floor, leaning and mirrored.
+const EGG_PLACES: [Placement; 2] = [
+    place(
+        [
+            Vec3::new(0.25, 0.125, 0.0),
+            Vec3::new(-0.1875, 0.5, 0.0),
+            Vec3::new(0.0, 0.0, 0.25),
+        ],
+        Vec3::new(-0.5, 0.5625, -0.75),
+    ),
+    place(
+        [
+            Vec3::new(-0.375, 0.0, 0.0),
+            Vec3::new(0.0, 0.1875, 0.0),
+            Vec3::new(0.0, 0.0, 0.375),
+        ],
+        Vec3::new(0.25, 0.1875, -0.5),
+    ),
+];
+/// A block, and a bite of it.
+const BLOCK: Cuboid = Cuboid {
+    min: Vec3::new(-0.875, 0.0, -1.25),
+    max: Vec3::new(0.0, 0.75, -0.5),
+};
+const BITE: Sphere = Sphere {
+    center: Vec3::new(-0.25, 0.75, -0.5),
+    radius: 0.5,
+};
+
+const fn place(axes: [Vec3; 3], translation: Vec3) -> Placement {
+    match Placement::new(axes, translation) {
+        Ok(placement) => placement,
+        Err(_) => panic!("not a placement"),
+    }
+}
+
 const FLAG: Triangle = Triangle {
     vertices: [
         Vec3::new(1.25, 1.75, -4.0),
@@ -185,6 +227,15 @@ macro_rules! rung {
             pub static BUCKETS: [Object<Frustum, M>; 1] = [Object { shape: BUCKET, material: &RED }];
             pub static DRUMS: [Object<Quadric, M>; 1] = [Object { shape: DRUM, material: &RED }];
             pub static RINGS: [Object<Torus, M>; 1] = [Object { shape: RING, material: &RED }];
+            static EGG: [Object<Sphere, M>; 1] = [Object { shape: super::EGG, material: &RED }];
+            pub static EGGS: [Instance<[Object<Sphere, M>]>; 2] = [
+                Instance { geometry: &EGG, placement: EGG_PLACES[0] },
+                Instance { geometry: &EGG, placement: EGG_PLACES[1] },
+            ];
+            pub static BITTEN: Csg<Bitten<M>, 4> = Csg(Difference(
+                Object { shape: BLOCK, material: &WOOD },
+                Object { shape: BITE, material: &RED },
+            ));
             pub static FLAGS: [Object<Triangle, M>; 1] = [Object { shape: FLAG, material: &RED }];
             pub static SAILS: [Object<Patch, M>; 1] = [Object { shape: SAIL, material: &STONE }];
 
@@ -341,6 +392,21 @@ rung!(
     ((Objects<Sphere, M>, Objects<Plane, M>), Objects<Torus, M>) = ((&BALLS, &FLOORS), &RINGS)
 );
 
+type Placed<M> = &'static [Instance<'static, [Object<'static, Sphere, M>]>];
+type Bitten<M> = Difference<Object<'static, Cuboid, M>, Object<'static, Sphere, M>>;
+
+rung!(
+    /// The same with a sphere that is placed twice.
+    instance::WithInstances, Material<Phong, (), ()> = GLOSSY, Light, depth 1,
+    ((Objects<Sphere, M>, Objects<Plane, M>), Placed<M>) = ((&BALLS, &FLOORS), &EGGS)
+);
+rung!(
+    /// The same with a box of which a sphere is taken away.
+    csg::WithSolid, Material<Phong, (), ()> = GLOSSY, Light, depth 1,
+    ((Objects<Sphere, M>, Objects<Plane, M>), &'static Csg<Bitten<M>, 4>) =
+        ((&BALLS, &FLOORS), &BITTEN)
+);
+
 /// A frame made from the rays alone.
 macro_rules! ray_frame {
     ($(#[$doc:meta])* $frame:ident = $color:expr) => {
@@ -403,4 +469,6 @@ pub(super) fn visit_all(visitor: &mut impl Visitor) {
     visitor.visit::<SpheresAndPlane>("spheres-and-plane");
     visitor.visit::<WithQuadric>("quadric");
     visitor.visit::<WithTorus>("torus");
+    visitor.visit::<WithInstances>("instance");
+    visitor.visit::<WithSolid>("csg");
 }

@@ -21,6 +21,7 @@ pub mod cuboid;
 pub mod frustum;
 pub mod grid;
 pub mod number;
+pub mod placed;
 pub mod plane;
 pub mod polygon;
 pub mod quadric;

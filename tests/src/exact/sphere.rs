@@ -16,7 +16,11 @@ pub fn truth(ray: &Line, center: [f32; 3], radius: f32) -> Truth {
 pub(super) fn solve<N: Number>(ray: &Line, center: [f32; 3], radius: f32) -> Option<Truth> {
     let d = Vector::<N>::new(ray.direction);
     let f = Vector::new(center).minus(&Vector::new(ray.origin));
-    let radius = N::new(radius);
+    along_line(d, f, N::new(radius))
+}
+
+/// Along a ray of direction `d`, of a sphere whose center lies at `f` from the origin.
+pub(super) fn along_line<N: Number>(d: Vector<N>, f: Vector<N>, radius: N) -> Option<Truth> {
     // a t² - 2 b t + c = 0; the discriminant without the terms that cancel, by Lagrange's identity.
     let a = d.square();
     let b = f.dot(&d);

@@ -89,6 +89,12 @@ impl Quadric {
         self.planes.iter().all(is_behind) && (plane.is_none() || self.value(q) <= 0.0)
     }
 
+    /// Whether a point is inside of the solid.
+    pub(super) fn contains(&self, point: DVec3) -> bool {
+        let q = point - self.center;
+        self.value(q) < 0.0 && self.planes.iter().all(|it| it.0.dot(q) < it.1)
+    }
+
     /// The outward unit normal.
     pub(super) fn normal(&self, point: DVec3) -> DVec3 {
         let q = point - self.center;

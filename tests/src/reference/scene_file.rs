@@ -1,8 +1,11 @@
 //! Scene files as the oracle sees them: their numbers, all digits of them.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec3};
 use whitted_cli::scene_file::{self, Lens, SceneFile};
 
+use super::solid::{Part, Placed, Solid};
 use super::{Camera, Finish, Light, Object, Quadric, Scene, Shape};
 
 impl Scene {
@@ -11,16 +14,48 @@ impl Scene {
         let aspect = f64::from(width) / f64::from(height);
         let camera = Camera::from_file(file.camera.as_ref()?, aspect);
         let finishes: Vec<_> = file.materials.iter().map(Finish::from).collect();
-        let objects = file.objects.iter().map(|object| Object {
-            shape: Shape::from(&object.shape),
-            finish: finishes[object.material],
-        });
+        let all = |objects: &[scene_file::Object], solids: &[scene_file::Solid]| {
+            let mut all: Vec<_> = objects
+                .iter()
+                .map(|object| Object {
+                    shape: Shape::from(&object.shape),
+                    finish: finishes[object.material],
+                })
+                .collect();
+            for solid in solids {
+                let leaves = solid.leaves.iter().map(|it| Shape::from(&it.shape));
+                let whole = Arc::new(Solid::new(leaves.collect(), solid.steps.clone()));
+                all.extend(
+                    solid
+                        .leaves
+                        .iter()
+                        .enumerate()
+                        .map(|(leaf, object)| Object {
+                            shape: Shape::Part(Part {
+                                solid: whole.clone(),
+                                leaf,
+                            }),
+                            finish: finishes[object.material],
+                        }),
+                );
+            }
+            all
+        };
+        let mut objects = all(&file.objects, &file.solids);
+        for instance in &file.instances {
+            let group = &file.groups[instance.group];
+            let placed = |Object { shape, finish }| Object {
+                shape: Shape::Placed(Placed::new(shape, instance.axes, instance.translation)),
+                finish,
+            };
+            objects.extend(all(&group.objects, &group.solids).into_iter().map(placed));
+        }
         Some(Scene::new(
             camera,
             file.background.into(),
             file.ambient.into(),
             file.lights.iter().map(Light::from).collect(),
-            objects.collect(),
+            objects,
         ))
     }
 }

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::quadric::Quadric;
+use super::solid::{Part, Placed};
 use super::torus;
 
 /// A surface.
@@ -56,6 +57,10 @@ pub enum Shape {
     },
     /// A surface of degree two.
     Quadric(Quadric),
+    /// Any shape, moved.
+    Placed(Placed),
+    /// A leaf of a solid.
+    Part(Part),
     /// All points at `minor` from a circle.
     Torus {
         /// Of the circle.
@@ -81,8 +86,14 @@ impl Shape {
         origin: DVec3,
         direction: DVec3,
         leaving: bool,
-    ) -> impl Iterator<Item = f64> {
+    ) -> std::vec::IntoIter<f64> {
         let mut roots = match self {
+            Shape::Placed(placed) => {
+                return Vec::into_iter(placed.crossings(origin, direction, leaving));
+            }
+            Shape::Part(part) => {
+                return Vec::into_iter(part.crossings(origin, direction, leaving));
+            }
             Shape::Quadric(quadric) => quadric.roots(origin, direction),
             Torus {
                 center,
@@ -102,12 +113,13 @@ impl Shape {
                 roots.remove(nearest);
             }
         }
-        let visible = move |&t: &f64| {
+        let visible = |&t: &f64| {
             self.bounds_contain(origin, direction, t)
                 && (!self.shows_inside_only()
                     || direction.dot(self.normal(origin, direction, t)) < 0.0)
         };
-        roots.into_iter().filter(visible)
+        roots.retain(visible);
+        roots.into_iter()
     }
 
     /// Roots of the equation of the whole sphere, plane, box or cone, before it is cut to size.
@@ -140,7 +152,9 @@ impl Shape {
                     across.length_squared() - radius * radius,
                 )
             }
-            Shape::Quadric(_) | Torus { .. } => unreachable!("may have more than two"),
+            Shape::Quadric(_) | Torus { .. } | Shape::Placed(_) | Shape::Part(_) => {
+                unreachable!("may have more than two")
+            }
         }
     }
 
@@ -149,6 +163,7 @@ impl Shape {
         let point = origin + t * direction;
         match self {
             Sphere { .. } | Plane { .. } | Cuboid { .. } | Torus { .. } => true,
+            Shape::Placed(_) | Shape::Part(_) => true,
             Polygon { vertices } => inside_outline(vertices, self.outward(), point),
             Patch { vertices, .. } => inside_outline(vertices, self.outward(), point),
             Frustum { base, .. } => {
@@ -199,6 +214,8 @@ impl Shape {
                 turn * (across - slope * axis).normalize()
             }
             Shape::Quadric(ref quadric) => quadric.normal(point),
+            Shape::Placed(ref placed) => placed.normal(origin, direction, t),
+            Shape::Part(ref part) => part.normal(origin, direction, t),
             Torus {
                 center,
                 axis,
@@ -209,6 +226,28 @@ impl Shape {
                 let across = (q - q.dot(axis) * axis).normalize();
                 (q - across * major).normalize()
             }
+        }
+    }
+
+    /// Whether a point is inside of a closed shape.
+    pub fn contains(&self, point: DVec3) -> bool {
+        match self {
+            Sphere { center, radius } => center.distance(point) < *radius,
+            Plane { point: on, .. } => self.outward().dot(point - on) < 0.0,
+            Cuboid { min, max } => min.cmplt(point).all() && point.cmplt(*max).all(),
+            Shape::Quadric(quadric) => quadric.contains(point),
+            Torus {
+                center,
+                axis,
+                major,
+                minor,
+            } => {
+                let q = point - center;
+                let along = q.dot(*axis);
+                let off = (q - along * axis).length() - major;
+                off * off + along * along < minor * minor
+            }
+            _ => unreachable!("has no inside"),
         }
     }
 
@@ -232,6 +271,8 @@ impl Shape {
                 apex_radius,
             } => around(&[*base, *apex], base_radius.abs().max(apex_radius.abs())),
             Shape::Quadric(quadric) => quadric.extent,
+            Shape::Placed(placed) => placed.bounds(),
+            Shape::Part(part) => part.bounds(),
             Torus {
                 center,
                 major,
@@ -247,9 +288,7 @@ impl Shape {
             Plane { normal, .. } => normal.normalize(),
             Polygon { vertices } => newell(vertices),
             Patch { vertices, .. } => newell(vertices),
-            Sphere { .. } | Cuboid { .. } | Frustum { .. } | Shape::Quadric(_) | Torus { .. } => {
-                unreachable!("not flat")
-            }
+            _ => unreachable!("not flat"),
         }
     }
 
