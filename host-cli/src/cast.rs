@@ -327,6 +327,34 @@ mod tests {
     }
 
     #[test]
+    fn hits_of_instances_and_solids_name_what_is_in_the_file() {
+        // Two balls on a shelf, which stands on its end; the bitten one is made of two.
+        let text = "[material.wood]\n[material.red]\n\
+                    [[plane]]\nmaterial = 'wood'\npoint = [0, -9, 0]\nnormal = [0, 1, 0]\n\
+                    [[group.shelf.sphere]]\nmaterial = 'red'\ncenter = [2, 0, 0]\nradius = 1\n\
+                    [[group.shelf.csg]]\nexpression = 'ball - bite'\n\
+                    solid.ball.sphere = { material = 'wood', center = [-2, 0, 0], radius = 1 }\n\
+                    solid.bite.box = { material = 'red', min = [-4, -2, 0.5], max = [0, 2, 2] }\n\
+                    [[instance]]\nof = 'shelf'\nrotate = [0, 0, 90]\ntranslate = [5, 0, 0]\n\
+                    [[instance]]\nof = 'shelf'\nscale = [1, 1, -2]\n";
+        let file = toml::parse(Path::new("t.toml"), text).unwrap();
+        let rays = b"5 2 9 0 0 -1\n5 -2 9 0 0 -1\n-2 0 -9 0 0 1\n-2 0 9 0 0 -1\n5 0 9 0 -1 0\n";
+        let expected = [
+            r#""t":8.0,"point":[5.0,2.0,1.0],"normal":[0.0,0.0,1.0],"front":true,"shape":"sphere","index":1,"material":"red""#,
+            r#""t":8.5,"point":[5.0,-2.0,0.5],"normal":[0.0,0.0,1.0],"front":true,"shape":"box","index":3,"material":"red""#,
+            r#""t":8.0,"point":[-2.0,0.0,-1.0],"normal":[0.0,0.0,-1.0],"front":true,"shape":"box","index":3,"material":"red""#,
+            r#""t":7.0,"point":[-2.0,0.0,2.0],"normal":[0.0,0.0,1.0],"front":true,"shape":"sphere","index":2,"material":"wood""#,
+            r#""shape":"plane","index":0,"material":"wood""#,
+        ];
+        let (answers, _) = answers(&file, Query::Closest, rays);
+        assert_eq!(answers.len(), expected.len());
+        for (answer, expected) in answers.iter().zip(expected) {
+            // The signs of zeros are those of the matrix.
+            assert!(answer.replace("-0.0", "0.0").contains(expected), "{answer}");
+        }
+    }
+
+    #[test]
     fn t_counts_lengths_of_the_direction() {
         for (ray, t) in [
             ("0 0 3 0 0 -0.5", "4.0"),

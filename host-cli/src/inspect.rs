@@ -574,6 +574,28 @@ mod tests {
     use super::*;
     use crate::scene_file::{nff, toml};
 
+    #[test]
+    fn groups_and_solids_are_counted() {
+        let text = "[material.a]\n[[group.b.sphere]]\nmaterial = 'a'\ncenter = [0, 0, 0]\nradius = 1\n\
+                    [[instance]]\nof = 'b'\nscale = [2, 1, 1]\ntranslate = [9, 0, 0]\n\
+                    [[instance]]\nof = 'b'\nrotate = [0, 0, 90]\n\
+                    [[csg]]\nexpression = 'c - d'\n\
+                    solid.c.box = { material = 'a', min = [-3, 0, 0], max = [-2, 1, 1] }\n\
+                    solid.d.sphere = { material = 'a', center = [-2, 0, 0], radius = 0.5 }\n";
+        let report = report(&toml::parse(Path::new("t.toml"), text).unwrap());
+        assert_eq!((report.solids, report.groups, report.instances), (1, 1, 2));
+        assert_eq!((report.shapes["sphere"], report.shapes["box"]), (2, 1));
+        assert_eq!(report.bounds, Some([[-3.0, -1.0, -1.0], [11.0, 1.0, 1.0]]));
+        assert_eq!(report.features, ["Cuboid", "Sphere", "Csg", "Instance"]);
+        // Two instances, three shapes.
+        assert_eq!(report.bytes.objects, 2 * (48 + 4) + 2 * (16 + 4) + (24 + 4));
+        let text = report.to_string();
+        assert!(
+            text.contains("  solids     1\n  groups     1, placed 2 times\n"),
+            "{text}"
+        );
+    }
+
     fn report(file: &SceneFile) -> Report {
         let pool = Pool::new(file);
         inspect(&HostScene::new(file, &pool).unwrap(), &pool)

@@ -1,7 +1,7 @@
 //! All of a scene: its objects, its solids, and the groups that it places.
 
 use whitted::csg::{Crossed, Expression};
-use whitted::math::Transmittance;
+use whitted::math::Passage;
 use whitted::{
     Candidates, Closed, Csg, Cuboid, Finish, Geometry, Instance, Math, Object, Placement, Plane,
     Quadric, Ray, Shape, Side, Sphere, Torus, Vec3,
@@ -138,6 +138,13 @@ impl Expression for Tree<'_> {
         crossed
     }
 
+    fn uv(&self, point: Vec3, leaf: usize) -> (f32, f32) {
+        match self.leaves.get(leaf) {
+            Some(leaf) => each_leaf!(leaf, it => it.shape.uv(point)),
+            None => (0.0, 0.0),
+        }
+    }
+
     fn surface<P: Math>(&self, ray: &Ray, t: f32, leaf: usize) -> Option<(Vec3, &Material)> {
         let leaf = self.leaves.get(leaf)?;
         Some(each_leaf!(leaf, it => (it.shape.normal::<P>(ray, t), it.material)))
@@ -176,6 +183,19 @@ pub struct Whole<'s, G> {
     pub placed: &'s [Placed],
 }
 
+impl<'s> Solids<'s> {
+    /// The solid that has an object as a leaf, and its first.
+    fn holder(&self, object: usize, mut first: usize) -> Option<(&'s HostSolid<'s>, usize)> {
+        for solid in self.0 {
+            if object < first + solid.len() {
+                return Some((solid, first));
+            }
+            first += solid.len();
+        }
+        None
+    }
+}
+
 impl Geometry for Solids<'_> {
     type Material = Material;
 
@@ -197,52 +217,60 @@ impl Geometry for Solids<'_> {
         ray: &Ray,
         t: f32,
         object: usize,
-        mut first: usize,
+        first: usize,
     ) -> Option<(Vec3, &Material)> {
-        for solid in self.0 {
-            if object < first + solid.len() {
-                return solid.surface::<P>(ray, t, object, first);
-            }
-            first += solid.len();
+        let (solid, first) = self.holder(object, first)?;
+        solid.surface::<P>(ray, t, object, first)
+    }
+
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        match self.holder(object, first) {
+            Some((solid, first)) => solid.uv(point, object, first),
+            None => (0.0, 0.0),
         }
-        None
     }
 
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
         self.nearest::<P>(&mut { *ray }, first, among).is_some()
     }
 
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         mut first: usize,
         _: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool {
         self.0.iter().any(|solid| {
             let at = first;
             first += solid.len();
-            solid.absorbs::<P>(ray, at, Candidates::ALL, light)
+            solid.absorbs::<P, L>(ray, at, Candidates::ALL, light)
         })
     }
 }
 
 impl<'s, G: Geometry<Material = Material>> Whole<'s, G> {
-    /// The instances, and the place of each one's first object.
+    /// An instance, and the place of its first object.
+    fn instance(&self, placed: &Placed, first: usize) -> (Instance<'_, Content<'s, G>>, usize) {
+        let (geometry, placement) = (&self.groups[placed.group], placed.placement);
+        let instance = Instance {
+            geometry,
+            placement,
+        };
+        (instance, first + placed.first)
+    }
+
     fn instances(
         &self,
         first: usize,
     ) -> impl Iterator<Item = (Instance<'_, Content<'s, G>>, usize)> {
-        self.placed.iter().map(move |it| {
-            let (geometry, placement) = (&self.groups[it.group], it.placement);
-            (
-                Instance {
-                    geometry,
-                    placement,
-                },
-                first + it.first,
-            )
-        })
+        self.placed.iter().map(move |it| self.instance(it, first))
+    }
+
+    /// The instance that has an object.
+    fn holder(&self, object: usize, first: usize) -> Option<(Instance<'_, Content<'s, G>>, usize)> {
+        let after = self.placed.partition_point(|it| first + it.first <= object);
+        Some(self.instance(self.placed.get(after.checked_sub(1)?)?, first))
     }
 }
 
@@ -274,14 +302,18 @@ impl<G: Geometry<Material = Material>> Geometry for Whole<'_, G> {
         if object < first + self.top.len() {
             return self.top.surface::<P>(ray, t, object, first);
         }
-        let after = self.placed.partition_point(|it| first + it.first <= object);
-        let placed = self.placed.get(after.checked_sub(1)?)?;
-        let group = &self.groups[placed.group];
-        let instance = Instance {
-            geometry: group,
-            placement: placed.placement,
-        };
-        instance.into_surface::<P>(ray, object, first + placed.first)
+        let (instance, first) = self.holder(object, first)?;
+        instance.into_surface::<P>(ray, object, first)
+    }
+
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        if object < first + self.top.len() {
+            return self.top.uv(point, object, first);
+        }
+        match self.holder(object, first) {
+            Some((instance, first)) => instance.uv(point, object, first),
+            None => (0.0, 0.0),
+        }
     }
 
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
@@ -291,19 +323,19 @@ impl<G: Geometry<Material = Material>> Geometry for Whole<'_, G> {
                 .any(|(it, first)| it.blocks::<P>(ray, first, among))
     }
 
-    fn absorbs<P: Math>(
+    fn absorbs<P: Math, L: Passage>(
         &self,
         ray: &Ray,
         first: usize,
         among: Candidates,
-        light: &mut Transmittance,
+        light: &mut L,
     ) -> bool
     where
         Material: Finish,
     {
-        self.top.absorbs::<P>(ray, first, among, light)
+        self.top.absorbs::<P, L>(ray, first, among, light)
             || self
                 .instances(first)
-                .any(|(it, first)| it.absorbs::<P>(ray, first, among, light))
+                .any(|(it, first)| it.absorbs::<P, L>(ray, first, among, light))
     }
 }

@@ -1375,7 +1375,7 @@ mod tests {
                 "[[group.b.instance]]\nof = 'c'\n[[group.c.instance]]\nof = 'd'\n\
                  [[group.d.instance]]\nof = 'e'\n[[group.d.instance]]\nof = 'c'\n[group.e]"
                     .to_owned(),
-                "3:9: group `c` places itself",
+                "5:9: group `d` places itself",
             ),
             (doubling, "39:1: more than 65536 instances"),
             (

@@ -234,9 +234,7 @@ fn shape(of: &Shape, texture: &str) -> Option<String> {
             vector(*apex),
             apex_radius.abs()
         ),
-        Shape::Quadric { form, closed } => {
-            format!("{}", quadric(form, *closed, &texture))
-        }
+        Shape::Quadric { form, closed } => quadric(form, *closed, texture),
         &Shape::Torus {
             center,
             axis,
