@@ -80,7 +80,7 @@ use fearless_simd::Level;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::x86::{Avx2, Avx512, Sse2};
 use whitted::math::Passage;
-use whitted::{Candidates, Exact, Finish, Geometry, Math, Ray, Vec3};
+use whitted::{Candidates, Departure, Exact, Finish, Geometry, Math, Ray, Side, Vec3};
 
 pub use parts::{Kinds, Slice};
 
@@ -236,14 +236,14 @@ impl<M> Wide<'_, M> {
         self.tree.about().bytes
     }
 
-    /// The object that a ray leaves, if it is one of these.
+    /// The object that a ray leaves, if it is one of these, and the side.
     #[inline(always)]
-    fn left(&self, ray: &Ray, first: usize) -> u32 {
+    fn left(&self, ray: &Ray, first: usize) -> (u32, Side) {
         match ray.departure {
-            Some(departure) if departure.object.wrapping_sub(first) < self.parts.len() => {
-                (departure.object - first) as u32
+            Some(Departure { object, side }) if object.wrapping_sub(first) < self.parts.len() => {
+                ((object - first) as u32, side)
             }
-            _ => u32::MAX,
+            _ => (u32::MAX, Side::Outside),
         }
     }
 
@@ -262,10 +262,11 @@ impl<M> Wide<'_, M> {
     }
 
     /// Whether there are objects that the lanes leave out: those in no block, and the one that the ray
-    /// leaves.
+    /// leaves on this side.
     #[inline(always)]
-    fn has_apart(&self, left: u32) -> bool {
-        left != u32::MAX && !self.parts.is_flat(left as usize) || !self.loose.is_empty()
+    fn has_apart(&self, left: u32, side: Side) -> bool {
+        !self.loose.is_empty()
+            || left != u32::MAX && !self.parts.is_left_for_good(left as usize, side)
     }
 
     /// Whether all objects are tested, and lanes give the kernels' own answer about all.
@@ -325,9 +326,9 @@ impl<M: Finish> Geometry for Wide<'_, M> {
         if !self.takes::<P>(ray) {
             return self.parts.kinds.nearest::<P>(ray, first, among);
         }
-        let left = self.left(ray, first);
+        let (left, side) = self.left(ray, first);
         let mut nearest = Nearest::before(ray.t_max);
-        if self.has_apart(left) {
+        if self.has_apart(left, side) {
             self.nearest_apart(ray, first, left, &mut nearest);
         }
         self.tree.nearest(self.search, ray, left, &mut nearest);
@@ -346,6 +347,11 @@ impl<M: Finish> Geometry for Wide<'_, M> {
         object: usize,
         first: usize,
     ) -> Option<(Vec3, &M)> {
+        let cuboids = &self.parts.cuboids;
+        let place = object.wrapping_sub(first).wrapping_sub(cuboids.first);
+        if let Some(it) = cuboids.objects.get(place) {
+            return Some((cuboid::normal(&it.shape, ray, t), it.material));
+        }
         self.parts.kinds.surface::<P>(ray, t, object, first)
     }
 
@@ -354,8 +360,8 @@ impl<M: Finish> Geometry for Wide<'_, M> {
         if !self.takes::<P>(ray) {
             return self.parts.kinds.blocks::<P>(ray, first, among);
         }
-        let left = self.left(ray, first);
-        self.has_apart(left) && self.blocks_apart(ray, first, left)
+        let (left, side) = self.left(ray, first);
+        self.has_apart(left, side) && self.blocks_apart(ray, first, left)
             || self.tree.absorbs(self.search, ray, left, &mut |_| true)
     }
 
@@ -370,8 +376,8 @@ impl<M: Finish> Geometry for Wide<'_, M> {
         if !self.takes::<P>(ray) {
             return self.parts.kinds.absorbs::<P, L>(ray, first, among, light);
         }
-        let left = self.left(ray, first);
-        self.has_apart(left) && self.absorbs_apart(ray, first, left, light)
+        let (left, side) = self.left(ray, first);
+        self.has_apart(left, side) && self.absorbs_apart(ray, first, left, light)
             || self.tree.absorbs(self.search, ray, left, &mut |object| {
                 (self.parts).absorbs_met::<P, L>(ray, object as usize, first, light)
             })

@@ -81,16 +81,22 @@ impl<const N: usize> Beams<N> {
         u32::MAX >> (32 - rays.len().clamp(1, N))
     }
 
+    /// On which side a lane's ray leaves the object that it leaves.
+    #[inline(always)]
+    pub fn side(&self, lane: usize) -> Side {
+        if self.inward >> lane & 1 != 0 {
+            Side::Inside
+        } else {
+            Side::Outside
+        }
+    }
+
     /// A lane's ray.
     #[inline(always)]
     pub fn ray(&self, lane: usize) -> Ray {
         let departure = Departure {
             object: self.left[lane] as usize,
-            side: if self.inward >> lane & 1 != 0 {
-                Side::Inside
-            } else {
-                Side::Outside
-            },
+            side: self.side(lane),
         };
         Ray {
             origin: self.origin.get(lane),

@@ -3,7 +3,8 @@
 use core::ops::BitAnd;
 
 use fearless_simd::{Select, Simd, SimdMask};
-use whitted::Cuboid;
+use glam::Vec3;
+use whitted::{Cuboid, Ray};
 
 use super::across::Terms;
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
@@ -81,7 +82,7 @@ impl<V, M> Inside<V, M> {
     fn cut<S: Simd, const N: usize>(
         &mut self,
         simd: S,
-        [min, max]: &[[f32; N]; 2],
+        planes: &[[f32; N]; 2],
         origin: f32,
         direction: f32,
         reciprocal: f32,
@@ -90,22 +91,45 @@ impl<V, M> Inside<V, M> {
         M: Copy + BitAnd<Output = M> + Select<V>,
     {
         let origin = V::simd_from(simd, origin);
-        let to_min = V::from_slice(simd, min) - origin;
-        let to_max = V::from_slice(simd, max) - origin;
-        let (near, far) = if direction > 0.0 {
-            (to_min, to_max)
-        } else if direction < 0.0 {
-            (to_max, to_min)
-        } else {
+        // Also for NaN.
+        if !(direction.abs() > 0.0) {
             let zero = V::simd_from(simd, 0.0);
+            let to_min: V = V::from_slice(simd, &planes[0]) - origin;
+            let to_max: V = V::from_slice(simd, &planes[1]) - origin;
             self.between = self.between & to_min.simd_le(zero) & to_max.simd_ge(zero);
             return;
-        };
+        }
+        // Chosen by place, not by a branch: where rays go all ways, half of those would be mispredicted.
+        let near = V::from_slice(simd, &planes[usize::from(direction < 0.0)]) - origin;
+        let far = V::from_slice(simd, &planes[usize::from(direction > 0.0)]) - origin;
         let reciprocal = V::simd_from(simd, reciprocal);
         let (near, far) = (near * reciprocal, far * reciprocal);
         self.entry = near.simd_gt(self.entry).select(near, self.entry);
         self.exit = far.simd_lt(self.exit).select(far, self.exit);
     }
+}
+
+/// As `Cuboid::normal`, without branches: rays that go all ways meet any face.
+#[inline(always)]
+pub fn normal(shape: &Cuboid, ray: &Ray, t: f32) -> Vec3 {
+    const FACES: [Vec3; 6] = [
+        Vec3::NEG_X,
+        Vec3::X,
+        Vec3::NEG_Y,
+        Vec3::Y,
+        Vec3::NEG_Z,
+        Vec3::Z,
+    ];
+    let (o, d, reciprocal) = (ray.origin, ray.direction, ray.direction.recip());
+    let to_min = (shape.min - o) * reciprocal;
+    let to_max = (shape.max - o) * reciprocal;
+    let met = u32::from((to_min.x == t) & (d.x != 0.0))
+        | u32::from((to_max.x == t) & (d.x != 0.0)) << 1
+        | u32::from((to_min.y == t) & (d.y != 0.0)) << 2
+        | u32::from((to_max.y == t) & (d.y != 0.0)) << 3
+        | u32::from((to_min.z == t) & (d.z != 0.0)) << 4;
+    // The first that is met, or the last.
+    FACES[(met | 1 << 5).trailing_zeros() as usize]
 }
 
 /// As `Cuboid::intersect`, a ray a lane.

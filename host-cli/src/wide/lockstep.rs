@@ -367,7 +367,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let mut limits = self.beams.end;
             for lane in Set(active) {
                 let left = self.beams.left[lane];
-                if geometry.has_apart(left) {
+                if geometry.has_apart(left, self.beams.side(lane)) {
                     geometry.nearest_apart(&self.beams.ray(lane), 0, left, &mut nearest[lane]);
                     limits[lane] = nearest[lane].limit();
                 }
@@ -594,7 +594,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let (mut limits, mut dark) = (beams.end, 0);
             for lane in Set(lit) {
                 let left = beams.left[lane];
-                if geometry.has_apart(left)
+                if geometry.has_apart(left, beams.side(lane))
                     && geometry.absorbs_apart(&beams.ray(lane), 0, left, &mut light[lane])
                 {
                     dark |= 1 << lane;

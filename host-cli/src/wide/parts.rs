@@ -4,7 +4,7 @@ use whitted::material::Transmission;
 use whitted::math::Passage;
 use whitted::{
     Candidates, Cuboid, Finish, Frustum, Geometry, Math, Object, Patch, Plane, Polygon, Quadric,
-    Ray, Shape, Sphere, Torus, Triangle, Vec3,
+    Ray, Shape, Side, Sphere, Torus, Triangle, Vec3,
 };
 
 use super::blocks::Kind;
@@ -209,6 +209,17 @@ impl<'a, M> Parts<'a, M> {
     #[inline(always)]
     pub fn is_flat(&self, object: usize) -> bool {
         (self.planes.first..self.cuboids.first).contains(&object)
+    }
+
+    /// Whether a ray from this side of an object surely does not meet it again: it is flat, or it curves
+    /// away everywhere.
+    #[inline(always)]
+    pub fn is_left_for_good(&self, object: usize, side: Side) -> bool {
+        let outside = side == Side::Outside;
+        match self.spheres.objects.get(object) {
+            Some(sphere) => outside == (sphere.shape.radius > 0.0),
+            None => self.is_flat(object) || outside && self.cuboids.holds(object),
+        }
     }
 
     /// As [`absorbs`](Self::absorbs), of an object that the ray meets.

@@ -64,23 +64,15 @@ impl<'a> RayTerms<'a> {
 impl Turned {
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        let (o, d) = (ray.origin, ray.direction);
-        match fastest(d) {
-            0 => Self {
-                axes: [1, 2, 0],
-                origin: Vec3::new(o.y, o.z, o.x),
-                direction: Vec3::new(d.y, d.z, d.x),
-            },
-            1 => Self {
-                axes: [0, 2, 1],
-                origin: Vec3::new(o.x, o.z, o.y),
-                direction: Vec3::new(d.x, d.z, d.y),
-            },
-            _ => Self {
-                axes: [0, 1, 2],
-                origin: o,
-                direction: d,
-            },
+        // By a table, not by branches: where rays go all ways, those would be mispredicted.
+        const AXES: [[usize; 3]; 3] = [[1, 2, 0], [0, 2, 1], [0, 1, 2]];
+        let axes = AXES[fastest(ray.direction)];
+        let [x, y, z] = axes;
+        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+        Self {
+            axes,
+            origin: Vec3::new(o[x], o[y], o[z]),
+            direction: Vec3::new(d[x], d[y], d[z]),
         }
     }
 }
@@ -89,11 +81,7 @@ impl Turned {
 #[inline(always)]
 pub fn fastest(direction: Vec3) -> usize {
     let size = direction.abs();
-    if size.x > size.y && size.x > size.z {
-        0
-    } else if size.y > size.z {
-        1
-    } else {
-        2
-    }
+    let along_x = (size.x > size.y) & (size.x > size.z);
+    // No branch: see `Turned::new`.
+    usize::from(!along_x) * (2 - usize::from(size.y > size.z))
 }
