@@ -59,6 +59,8 @@
 // One exception, in `math`: the square root instruction of some targets.
 #![deny(unsafe_code)]
 
+pub mod antialiasing;
+pub mod area;
 pub mod camera;
 pub mod candidates;
 pub mod columns;
@@ -77,10 +79,12 @@ pub mod picture;
 pub mod ray;
 pub mod scene;
 pub mod shape;
+mod subdivision;
 pub mod trace;
 
 pub use embedded_graphics;
 
+pub use area::AreaLight;
 pub use camera::{Camera, CameraError, View};
 pub use candidates::{Beam, Candidates, Culled, LightBuffer};
 pub use csg::Csg;

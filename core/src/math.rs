@@ -4,12 +4,13 @@
 //! in a fixed order, never contracted. [`Micro`] is micromath's approximations for firmware that
 //! wants speed before accuracy; a program names one by type, so that both can be in one binary.
 
-use core::ops::{Add, Mul};
+use core::ops::Mul;
 
 use glam::Vec3;
 use micromath::F32Ext;
 
 use crate::material::Transmission;
+use crate::subdivision::Quantity;
 
 /// How roots and powers are computed.
 pub trait Math: 'static {
@@ -309,7 +310,7 @@ pub(crate) fn beer(absorption: Vec3, distance: f32) -> Vec3 {
 }
 
 /// What weighs light on its way: one number, or one for each channel.
-pub trait Weight: Copy + Add<Output = Self> + Mul<Output = Self> {
+pub trait Weight: Quantity + Mul<Output = Self> {
     /// The same for each channel.
     fn splat(share: f32) -> Self;
     /// What a surface lets through.

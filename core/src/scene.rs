@@ -3,6 +3,9 @@
 use glam::Vec3;
 
 use crate::candidates::Candidates;
+use crate::math::Math;
+use crate::ray::Ray;
+pub use crate::subdivision::Quantity;
 
 /// Everything that is lit and everything that lights it: plain data, so that it can be a `static`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,9 +20,12 @@ pub struct Scene<'a, G, L = Light> {
     pub ambient: Vec3,
 }
 
-/// A point that lights a scene, with no falloff by distance.
+/// Something that lights a scene, with no falloff by distance: a point, unless it says otherwise.
 pub trait LightSource {
-    /// In world space.
+    /// Whether it is more than a point, so that [`share`](Self::share) says what of it arrives.
+    const IS_AREA: bool = false;
+
+    /// In world space; the middle, where it is no point.
     fn position(&self) -> Vec3;
     /// Linear RGB, at least 0.
     fn color(&self) -> Vec3;
@@ -32,6 +38,19 @@ pub trait LightSource {
     fn candidates(&self, direction: Vec3, distance: f32) -> Candidates {
         let _ = (direction, distance);
         Candidates::ALL
+    }
+
+    /// Of what is more than a point the share that arrives at a point of a surface with this normal: the
+    /// mean of what `passes` along rays to parts of it. `center` is the ray to its position.
+    #[inline(always)]
+    fn share<P: Math, V: Quantity>(
+        &self,
+        normal: Vec3,
+        center: &Ray,
+        mut passes: impl FnMut(&Ray) -> V,
+    ) -> V {
+        let _ = normal;
+        passes(center)
     }
 }
 

@@ -292,7 +292,9 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
             }
             let mut passed = ShareOf::<G::Material>::splat(1.0);
             if source.casts_shadows() {
-                self.counters.count(Event::Shadow);
+                if !L::IS_AREA {
+                    self.counters.count(Event::Shadow);
+                }
                 let mut shadow = hit.back(direction);
                 shadow.t_max = distance;
                 let among = if P::EXACT {
@@ -301,7 +303,9 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 } else {
                     Candidates::ALL
                 };
-                if <G::Material as Finish>::Transmission::TRANSMITS {
+                if L::IS_AREA {
+                    passed = self.share(scene, source, hit, &shadow);
+                } else if <G::Material as Finish>::Transmission::TRANSMITS {
                     passed = scene.geometry.transmittance_by::<P>(&shadow, among);
                 } else if scene.geometry.blocks::<P>(&shadow, 0, among) {
                     passed = Weight::splat(0.0);
@@ -317,6 +321,33 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
             light += passed.weigh(term * weight);
         }
         light
+    }
+
+    /// Share of an area light that arrives; `center` is the ray to its middle.
+    #[inline(always)]
+    fn share<G, L>(
+        &mut self,
+        scene: &Scene<'_, G, L>,
+        source: &L,
+        hit: &Hit<'_, G::Material>,
+        center: &Ray,
+    ) -> ShareOf<G::Material>
+    where
+        G: Geometry<Material: Finish>,
+        L: LightSource,
+    {
+        source.share::<P, _>(hit.normal, center, |shadow| {
+            self.counters.count(Event::Shadow);
+            if <G::Material as Finish>::Transmission::TRANSMITS {
+                scene
+                    .geometry
+                    .transmittance_by::<P>(shadow, Candidates::ALL)
+            } else if scene.geometry.blocks::<P>(shadow, 0, Candidates::ALL) {
+                Weight::splat(0.0)
+            } else {
+                Weight::splat(1.0)
+            }
+        })
     }
 
     /// The mirrored and the refracted ray, where they weigh enough.

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
+use whitted::antialiasing;
 
 use crate::scene_file::limits;
 
@@ -61,6 +62,16 @@ pub struct Render {
     /// show
     #[arg(long, value_name = "WEIGHT", default_value = "0", value_parser = threshold)]
     pub threshold: f32,
+
+    /// Rays a pixel, N to a side, averaged, from 1 to 16; with --adaptive, as many where the picture
+    /// changes most: 2, 4, 8 or 16
+    #[arg(long, value_name = "N", value_parser = samples)]
+    pub samples: Option<u32>,
+
+    /// More rays only where corners of a pixel, or of its quarters, differ by more than this, from 0 to
+    /// 1; 1/32 is eight steps of an 8-bit channel; --samples 4 unless it says otherwise
+    #[arg(long, value_name = "BOUND", value_parser = threshold)]
+    pub adaptive: Option<f32>,
 
     /// Number of threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = threads)]
@@ -225,6 +236,13 @@ fn depth(text: &str) -> Result<usize, String> {
         .ok_or_else(|| format!("expected a number from 1 to {}", limits::DEPTH))
 }
 
+fn samples(text: &str) -> Result<u32, String> {
+    let number = text.parse().ok();
+    number
+        .filter(|it| (1..=antialiasing::MOST).contains(it))
+        .ok_or_else(|| format!("expected a number from 1 to {}", antialiasing::MOST))
+}
+
 fn threshold(text: &str) -> Result<f32, String> {
     let number = text.parse().ok();
     number
@@ -299,6 +317,10 @@ mod tests {
     fn numbers_stay_within_their_ranges() {
         assert_eq!(
             ["0", "1", "32", "33", "x"].map(|it| depth(it).is_ok()),
+            [false, true, true, false, false]
+        );
+        assert_eq!(
+            ["0", "1", "16", "17", "x"].map(|it| samples(it).is_ok()),
             [false, true, true, false, false]
         );
         assert_eq!(

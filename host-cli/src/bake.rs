@@ -17,6 +17,7 @@ use crate::scene::{self, HostGeometry, HostScene, Material};
 use crate::scene_file::Step;
 use crate::whole::{HostSolid, Leaf, Placed, Tree, each_leaf};
 use kind::{Baked, Kind, Nodes};
+use soft::Soft;
 use source::{VECTOR, WORD, number, vector, vectors};
 use terms::Terms;
 
@@ -24,6 +25,7 @@ pub use map::bake_map;
 
 mod kind;
 mod map;
+mod soft;
 mod source;
 mod terms;
 
@@ -484,8 +486,13 @@ impl Baker {
         let with_shadows = lights.iter().filter(|it| it.shadows).count();
         let mixed = with_shadows > 0 && with_shadows < lights.len();
         let point = size_of::<Light>();
+        let soft = Soft::of(lights);
         // What a light with shadows is, and its bytes.
-        let (light, size) = if with_shadows == 0 {
+        let (light, size) = if let Some(soft) = soft {
+            self.import(&["AreaLight", "area::Samples"]);
+            self.import(soft.imports());
+            soft.kind()
+        } else if with_shadows == 0 {
             self.import(&["FillLight"]);
             ("FillLight".to_owned(), point)
         } else if self.culled > 0 && with_shadows <= MOST_BUFFERS {
@@ -509,9 +516,10 @@ impl Baker {
         let source = |it: &scene::Light| {
             let (position, color) = (vector(it.position), vector(it.color));
             let fields = format!("{{ position: {position}, color: {color} }}");
-            let source = match light.strip_prefix("LightBuffer") {
-                Some(kind) => format!("LightBuffer::{kind}::new(Light {fields}, &SPHERES)"),
-                None => format!("{light} {fields}"),
+            let source = match (soft, light.strip_prefix("LightBuffer")) {
+                (Some(soft), _) => soft.source(it),
+                (None, Some(kind)) => format!("LightBuffer::{kind}::new(Light {fields}, &SPHERES)"),
+                (None, None) => format!("{light} {fields}"),
             };
             match mixed {
                 true => format!("Lamp {{ light: {source}, shadows: {} }}", it.shadows),
@@ -525,8 +533,18 @@ impl Baker {
         };
         self.array("LIGHTS", kind, lights.len(), lights.len() * size, &sources);
         if mixed {
-            self.import(&["Candidates", "LightSource"]);
-            self.items.push_str(&LAMP.replace("LIGHT", &light));
+            let answer = match soft {
+                Some(_) => {
+                    self.import(&["LightSource", "Math", "Ray", "scene::Quantity"]);
+                    SHARE
+                }
+                None => {
+                    self.import(&["Candidates", "LightSource"]);
+                    CANDIDATES
+                }
+            };
+            let lamp = LAMP.replace("ANSWER", answer);
+            self.items.push_str(&lamp.replace("LIGHT", &light));
         }
         self.light = kind.to_owned();
     }
@@ -723,7 +741,7 @@ const fn b(center: Vec3, radius: f32, link: u32) -> Child<Ball> {
 ";
 
 const LAMP: &str = "
-/// A point light that casts shadows or not.
+/// A light that casts shadows or not.
 pub struct Lamp {
     light: LIGHT,
     shadows: bool,
@@ -742,8 +760,22 @@ impl LightSource for Lamp {
         self.shadows
     }
 
-    fn candidates(&self, direction: Vec3, distance: f32) -> Candidates {
+ANSWER}
+";
+
+const CANDIDATES: &str = "    fn candidates(&self, direction: Vec3, distance: f32) -> Candidates {
         self.light.candidates(direction, distance)
     }
-}
+";
+
+const SHARE: &str = "    const IS_AREA: bool = true;
+
+    fn share<P: Math, V: Quantity>(
+        &self,
+        normal: Vec3,
+        center: &Ray,
+        passes: impl FnMut(&Ray) -> V,
+    ) -> V {
+        self.light.share::<P, V>(normal, center, passes)
+    }
 ";

@@ -5,13 +5,14 @@ use std::fmt;
 use std::mem::size_of;
 
 use serde::Serialize;
+use whitted::area::{Disk, Outline, Rect};
 use whitted::{
-    Cuboid, Frustum, Glass, Light, Mirror, Patch, Phong, Placement, Plane, Quadric, Sphere, Torus,
-    Triangle, Vec3,
+    AreaLight, Cuboid, Frustum, Glass, Light, Mirror, Patch, Phong, Placement, Plane, Quadric,
+    Sphere, Torus, Triangle, Vec3,
 };
 
 use crate::scene::{HostScene, Material, Pool};
-use crate::scene_file::{Object, Place, SceneFile, Shape, Solid};
+use crate::scene_file::{Extent, Object, Place, SceneFile, Shape, Solid};
 
 mod coincidence;
 
@@ -55,6 +56,10 @@ pub struct Lights {
     pub all: usize,
     /// That cast shadows.
     pub with_shadows: usize,
+    /// Parallelograms that cast soft ones.
+    pub rects: usize,
+    /// Disks that do.
+    pub disks: usize,
 }
 
 /// How many different materials there are.
@@ -131,9 +136,16 @@ pub fn inspect(scene: &HostScene<'_>, pool: &Pool) -> Report {
             polygon_corners += vertices.len();
         }
     }
+    let soft = |wanted: fn(&Extent) -> bool| {
+        let lights = file.lights.iter().filter(|it| it.shadows);
+        let areas = lights.filter_map(|it| it.area.as_ref());
+        areas.filter(|it| wanted(&it.extent)).count()
+    };
     let lights = Lights {
         all: file.lights.len(),
         with_shadows: file.lights.iter().filter(|it| it.shadows).count(),
+        rects: soft(|it| matches!(it, Extent::Rect { .. })),
+        disks: soft(|it| matches!(it, Extent::Disk { .. })),
     };
     let materials = count_materials(pool.materials());
     let bounds = bounds(file);
@@ -144,7 +156,7 @@ pub fn inspect(scene: &HostScene<'_>, pool: &Pool) -> Report {
             &shapes,
             polygon_corners,
             &materials,
-            lights.all,
+            &lights,
             file.instances.len(),
         ),
         shapes,
@@ -211,8 +223,16 @@ fn features(
     if materials.refracting > 0 {
         features.push("Glass");
     }
-    if lights.with_shadows > 0 {
+    if lights.rects + lights.disks > 0 {
+        features.push("AreaLight");
+    } else if lights.with_shadows > 0 {
         features.push("Light");
+    }
+    if lights.rects > 0 {
+        features.push("Rect");
+    }
+    if lights.disks > 0 {
+        features.push("Disk");
     }
     if lights.all > lights.with_shadows {
         features.push("FillLight");
@@ -224,7 +244,7 @@ fn bytes(
     shapes: &BTreeMap<&'static str, usize>,
     polygon_corners: usize,
     materials: &Materials,
-    lights: usize,
+    lights: &Lights,
     instances: usize,
 ) -> Bytes {
     const POINTER: usize = 4;
@@ -261,7 +281,13 @@ fn bytes(
         material += size_of::<Glass>();
     }
     let materials = materials.all * material;
-    let lights = lights * size_of::<Light>();
+    let light = match (lights.rects, lights.disks) {
+        (0, 0) => size_of::<Light>(),
+        (_, 0) => size_of::<AreaLight<Rect>>(),
+        (0, _) => size_of::<AreaLight<Disk>>(),
+        _ => size_of::<AreaLight<Outline>>(),
+    };
+    let lights = lights.all * light;
     Bytes {
         objects,
         materials,
@@ -517,8 +543,13 @@ impl fmt::Display for Report {
                 self.groups, self.instances
             )?;
         }
-        let Lights { all, with_shadows } = self.lights;
-        writeln!(f, "  lights     {all}, {with_shadows} with shadows")?;
+        let lights = &self.lights;
+        let (all, with_shadows) = (lights.all, lights.with_shadows);
+        write!(f, "  lights     {all}, {with_shadows} with shadows")?;
+        match lights.rects + lights.disks {
+            0 => writeln!(f)?,
+            soft => writeln!(f, ", {soft} of them soft")?,
+        }
         let materials = &self.materials;
         writeln!(
             f,
@@ -654,6 +685,49 @@ mod tests {
         assert_eq!(report.bytes, bytes);
         assert_eq!(report.bounds, Some([[-1.0, -1.0, -2.0], [6.0, 1.0, 1.0]]));
         assert_eq!(report.warnings, []);
+    }
+
+    #[test]
+    fn lights_are_told_apart() {
+        let light = "[[light]]\nposition = [0, 9, 0]\n";
+        let of = |fields: &[&str]| {
+            let lights: Vec<_> = fields.iter().map(|it| format!("{light}{it}\n")).collect();
+            toml_report(&lights.concat())
+        };
+        let (rect, disk) = ("edges = [[1, 0, 0], [0, 0, 1]]", "radius = 1");
+        let unlit = "radius = 1\nshadows = false";
+        let cases = [
+            (
+                of(&["", unlit]),
+                vec!["Light", "FillLight"],
+                24,
+                "2, 1 with shadows",
+            ),
+            (
+                of(&[rect]),
+                vec!["AreaLight", "Rect"],
+                52,
+                "1, 1 with shadows, 1 of them soft",
+            ),
+            (
+                of(&["", disk]),
+                vec!["AreaLight", "Disk"],
+                32,
+                "2, 2 with shadows, 1 of them soft",
+            ),
+            (
+                of(&[rect, disk]),
+                vec!["AreaLight", "Rect", "Disk"],
+                56,
+                "2, 2 with shadows, 2 of them soft",
+            ),
+        ];
+        for (report, features, size, line) in cases {
+            assert_eq!(report.features, features);
+            assert_eq!(report.bytes.lights, report.lights.all * size);
+            let text = report.to_string();
+            assert!(text.contains(&format!("  lights     {line}\n")), "{text}");
+        }
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::render::Settings;
 use crate::scene::{self, Light, Material};
 use crate::scene_file::limits;
 use crate::scene_file::map::{Bitmap, MapFile, SPRITES};
-use crate::scene_file::{self, SceneError, proportions};
+use crate::scene_file::{Scale, SceneError, proportions};
 
 /// A map's colors, materials and lights.
 pub struct HostMap<'a> {
@@ -40,7 +40,11 @@ impl<'a> HostMap<'a> {
                 .collect(),
             floor: scene::material(&file.floor),
             ceiling: file.ceiling.as_ref().map(scene::material),
-            lights: file.lights.iter().map(light).collect(),
+            lights: file
+                .lights
+                .iter()
+                .map(|it| Light::new(it, Scale::default()))
+                .collect(),
         }
     }
 
@@ -214,14 +218,6 @@ impl<'a> HostMap<'a> {
             start += height as u32;
         }
         Ok(counters)
-    }
-}
-
-fn light(file: &scene_file::Light) -> Light {
-    Light {
-        position: vector(file.position),
-        color: vector(file.color),
-        shadows: file.shadows,
     }
 }
 

@@ -1,15 +1,17 @@
 //! Whole pictures, on all cores.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use fearless_simd::Level;
 use glam::Vec3;
 use rayon::prelude::*;
+use whitted::antialiasing::{Adaptive, magnified, share, shown};
 use whitted::picture::{quantize, to_rgb8};
 use whitted::{Counters, Exact, Geometry, Scene, Tracer, View};
 
 use crate::picture::Transfer;
-use crate::scene::{AnyScene, HostScene, Material};
+use crate::scene::{AnyScene, HostScene, Light, Material};
 use crate::scene_file::limits;
 use crate::wide::Wide;
 use crate::wide::lockstep::{self, HEIGHT, Job};
@@ -21,6 +23,23 @@ pub struct Settings {
     pub depth: usize,
     /// As [`whitted::Tracer::threshold`].
     pub threshold: f32,
+}
+
+/// Where a pixel is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Sampling {
+    /// In its middle.
+    #[default]
+    Middle,
+    /// At so many places to a side, as [`whitted::antialiasing::supersampled_row`] does.
+    Regular(u32),
+    /// As [`Adaptive`] does.
+    Adaptive {
+        /// By how much channels may differ.
+        bound: f32,
+        /// How often squares are halved: from 1 to 4.
+        levels: u32,
+    },
 }
 
 /// Most pixels that are held at a time.
@@ -43,6 +62,105 @@ pub fn render<E>(
     emit: impl FnMut(&[Vec3]) -> Result<(), E>,
 ) -> Result<Counters, E> {
     render_at(Level::new(), scene, view, rows, settings, row_done, emit)
+}
+
+/// As [`render`], with the pixels sampled in some way.
+///
+/// # Errors
+///
+/// As [`render`]'s.
+pub fn render_sampled<E>(
+    host: &HostScene<'_>,
+    view: &View,
+    rows: Range<u32>,
+    settings: Settings,
+    sampling: Sampling,
+    row_done: impl Fn() + Sync,
+    emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+) -> Result<Counters, E> {
+    match sampling {
+        Sampling::Middle => render_whole(host, view, rows, settings, row_done, emit),
+        Sampling::Regular(samples) => {
+            supersample(host, view, rows, settings, samples, row_done, emit)
+        }
+        Sampling::Adaptive { bound, levels } => {
+            let (scene, geometry) = (host.scene(), host.whole(Wide::new));
+            let band = |rows, pixels: &mut [Vec3]| {
+                let band = match levels {
+                    ..=1 => adaptive_rows::<_, 3>,
+                    2 => adaptive_rows::<_, 5>,
+                    3 => adaptive_rows::<_, 9>,
+                    4.. => adaptive_rows::<_, 17>,
+                };
+                band(&geometry, &scene, view, rows, settings, bound, pixels)
+            };
+            // As few rays as that of a band's upper edge are traced twice.
+            bands(view, rows, 16, band, row_done, emit)
+        }
+    }
+}
+
+/// Renders a larger picture, and adds its pixels up as [`whitted::antialiasing::supersampled_row`] does.
+fn supersample<E>(
+    host: &HostScene<'_>,
+    view: &View,
+    rows: Range<u32>,
+    settings: Settings,
+    samples: u32,
+    row_done: impl Fn() + Sync,
+    mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+) -> Result<Counters, E> {
+    let fine = magnified(view, samples);
+    let samples = fine.width / view.width;
+    let lines = AtomicU32::new(0);
+    let line_done = || {
+        if lines.fetch_add(1, Relaxed) % samples == samples - 1 {
+            row_done();
+        }
+    };
+    let mut sums = vec![Vec3::ZERO; view.width as usize];
+    let mut added = 0;
+    let add = |radiances: &[Vec3]| {
+        for line in radiances.chunks_exact(fine.width as usize) {
+            for (sum, radiances) in sums.iter_mut().zip(line.chunks_exact(samples as usize)) {
+                for &radiance in radiances {
+                    *sum += shown(radiance);
+                }
+            }
+            added += 1;
+            if added == samples {
+                sums.iter_mut().for_each(|sum| *sum *= share(samples));
+                emit(&sums)?;
+                sums.fill(Vec3::ZERO);
+                added = 0;
+            }
+        }
+        Ok(())
+    };
+    let fine_rows = rows.start * samples..rows.end * samples;
+    render_whole(host, &fine, fine_rows, settings, line_done, add)
+}
+
+/// Rows with adaptive anti-aliasing.
+fn adaptive_rows<G: Geometry<Material = Material>, const N: usize>(
+    geometry: &G,
+    scene: &AnyScene<'_>,
+    view: &View,
+    rows: Range<u32>,
+    settings: Settings,
+    bound: f32,
+    pixels: &mut [Vec3],
+) -> Counters {
+    let scene = over(geometry, scene);
+    let mut shared = vec![Vec3::ZERO; view.width as usize * (N - 1) + 1];
+    let tracer = tracer(settings);
+    let mut adaptive = Adaptive::<_, _, _, _, _, N>::new(&scene, *view, tracer, bound, &mut shared);
+    for (row, pixels) in rows.zip(pixels.chunks_exact_mut(view.width as usize)) {
+        for (pixel, radiance) in pixels.iter_mut().zip(adaptive.row(row)) {
+            *pixel = radiance;
+        }
+    }
+    adaptive.tracer.counters
 }
 
 /// As [`render`], by instructions of choice: no bit depends on them.
@@ -101,8 +219,8 @@ pub fn render_whole<E>(
 }
 
 /// Whether the scene has something that only [`Tracer`] does.
-fn needs_tracer(_scene: &AnyScene<'_>) -> bool {
-    false
+fn needs_tracer(scene: &AnyScene<'_>) -> bool {
+    scene.lights.iter().any(|it| it.area.is_some())
 }
 
 /// Renders rows as [`lockstep::rows`] does, with the same bits, by [`Tracer`] itself: each ray alone.
@@ -114,20 +232,30 @@ fn trace_rows(
     settings: Settings,
     pixels: &mut [Vec3],
 ) -> Counters {
-    let scene = Scene {
-        geometry,
-        lights: scene.lights,
-        background: scene.background,
-        ambient: scene.ambient,
-    };
-    let mut tracer = Tracer::<{ limits::DEPTH }, Exact, _>::with(Counters::default());
-    tracer.depth = settings.depth;
-    tracer.threshold = settings.threshold;
+    let scene = over(geometry, scene);
+    let mut tracer = tracer(settings);
     let rays = rows.flat_map(|row| view.rays(row));
     for (pixel, ray) in pixels.iter_mut().zip(rays) {
         *pixel = tracer.radiance(&scene, ray);
     }
     tracer.counters
+}
+
+/// The scene with its objects in hierarchies.
+fn over<'a, G>(geometry: &'a G, scene: &AnyScene<'a>) -> Scene<'a, &'a G, Light> {
+    Scene {
+        geometry,
+        lights: scene.lights,
+        background: scene.background,
+        ambient: scene.ambient,
+    }
+}
+
+fn tracer(settings: Settings) -> Tracer<{ limits::DEPTH }, Exact, Counters> {
+    let mut tracer = Tracer::with(Counters::default());
+    tracer.depth = settings.depth;
+    tracer.threshold = settings.threshold;
+    tracer
 }
 
 /// Has `band` compute all rows, on all cores, `band_height` of them at a time.

@@ -6,13 +6,15 @@
 use std::collections::HashMap;
 
 use glam::Vec3;
+use whitted::area::{Disk, Outline, Rect, Samples};
+use whitted::scene::Quantity;
 use whitted::{
-    Camera, Csg, Cuboid, Frustum, Glass, LightSource, Mirror, Object, Patch, PhongReal, Placement,
-    Plane, Polygon, Quadric, Scene, Sphere, Torus, Triangle, View,
+    AreaLight, Camera, Csg, Cuboid, Frustum, Glass, LightSource, Math, Mirror, Object, Patch,
+    PhongReal, Placement, Plane, Polygon, Quadric, Ray, Scene, Sphere, Torus, Triangle, View,
 };
 
 use crate::scene_file::{
-    self, Lens, Place, Problem, Scale, SceneError, SceneFile, Shape, Solid, at, direction,
+    self, Extent, Lens, Place, Problem, Scale, SceneError, SceneFile, Shape, Solid, at, direction,
     proportions,
 };
 use crate::whole::{HostSolid, Leaf, Placed, Solids, Tree, Whole};
@@ -30,18 +32,45 @@ pub type HostGeometry<'a> = wide::Kinds<'a, Material>;
 /// A scene of everything.
 pub type AnyScene<'a> = Scene<'a, HostGeometry<'a>, Light>;
 
-/// A point light that casts shadows or not.
+/// A light of any kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// As cast.
+    /// As cast; the middle, where it is no point.
     pub position: Vec3,
     /// Linear RGB.
     pub color: Vec3,
     /// Whether objects block it.
     pub shadows: bool,
+    /// What it is, unless a point or without shadows; as cast.
+    pub area: Option<(Outline, Samples)>,
+}
+
+impl Light {
+    /// Of a file that is cast at this scale.
+    pub(crate) fn new(file: &scene_file::Light, scale: Scale) -> Self {
+        let area = file.area.filter(|_| file.shadows).map(|it| {
+            let extent = match it.extent {
+                Extent::Rect { edges } => Outline::Rect(Rect {
+                    edges: edges.map(|edge| scale.point(edge)),
+                }),
+                Extent::Disk { radius } => Outline::Disk(Disk {
+                    radius: scale.length(radius),
+                }),
+            };
+            (extent, it.samples)
+        });
+        Self {
+            position: scale.point(file.position),
+            color: color(file.color),
+            shadows: file.shadows,
+            area,
+        }
+    }
 }
 
 impl LightSource for Light {
+    const IS_AREA: bool = true;
+
     fn position(&self) -> Vec3 {
         self.position
     }
@@ -52,6 +81,24 @@ impl LightSource for Light {
 
     fn casts_shadows(&self) -> bool {
         self.shadows
+    }
+
+    fn share<P: Math, V: Quantity>(
+        &self,
+        normal: Vec3,
+        center: &Ray,
+        mut passes: impl FnMut(&Ray) -> V,
+    ) -> V {
+        let Some((extent, samples)) = self.area else {
+            return passes(center);
+        };
+        let light = AreaLight {
+            position: self.position,
+            color: self.color,
+            extent,
+            samples,
+        };
+        light.share::<P, V>(normal, center, passes)
     }
 }
 
@@ -193,11 +240,7 @@ impl<'a> HostScene<'a> {
         scene.lights = file
             .lights
             .iter()
-            .map(|it| Light {
-                position: pool.scale.point(it.position),
-                color: color(it.color),
-                shadows: it.shadows,
-            })
+            .map(|it| Light::new(it, pool.scale))
             .collect();
         // For its errors: every command refuses a camera that shows nothing.
         scene.camera(1, 1)?;

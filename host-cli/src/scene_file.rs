@@ -9,6 +9,8 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use whitted::area::Samples;
+
 mod error;
 pub mod limits;
 pub mod map;
@@ -98,17 +100,57 @@ pub enum Lens {
     },
 }
 
-/// A point light without falloff.
+/// A light without falloff.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Where in the file.
     pub place: Place,
-    /// In world space.
+    /// In world space; the middle, where it is no point.
     pub position: [f64; 3],
     /// Linear RGB.
     pub color: [f64; 3],
     /// Whether objects block it.
     pub shadows: bool,
+    /// What it is, unless a point.
+    pub area: Option<Area>,
+}
+
+/// What a light is that casts soft shadows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    /// Around its middle.
+    pub extent: Extent,
+    /// How closely it is looked at.
+    pub samples: Samples,
+}
+
+/// What there is of a light around its middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extent {
+    /// A parallelogram, by two edges that meet.
+    Rect {
+        /// In world space.
+        edges: [[f64; 3]; 2],
+    },
+    /// A disk that faces each point: a ball.
+    Disk {
+        /// At least 0.
+        radius: f64,
+    },
+}
+
+impl Extent {
+    /// With every length replaced.
+    fn map(self, length: &impl Fn(f64) -> f64) -> Self {
+        match self {
+            Self::Rect { edges } => Self::Rect {
+                edges: edges.map(|it| it.map(length)),
+            },
+            Self::Disk { radius } => Self::Disk {
+                radius: length(radius),
+            },
+        }
+    }
 }
 
 /// How a surface answers light.

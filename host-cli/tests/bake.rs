@@ -199,6 +199,26 @@ fn workshop() -> Baked {
     Baked::toml("workshop", &scene)
 }
 
+/// Soft lights of both kinds, a point and a light without shadows, through glass.
+fn soft() -> Baked {
+    let scene = "[[light]]\nposition = [3, 5, 4]\nedges = [[1, 0, 0], [0, 0.5, -1]]\nsamples = 4\n\
+                 [[light]]\nposition = [-3, 5, 4]\nradius = 0.5\nsamples = 8\nadaptive = 2\n\
+                 [[light]]\nposition = [-3, 1, 4]\ncolor = [0.2, 0.2, 0.3]\n\
+                 [[light]]\nposition = [0, 1, 4]\ncolor = [0.1, 0.1, 0.1]\nshadows = false\n\
+                 [material.clay]\ncolor = [0.8, 0.3, 0.2]\n\
+                 [material.glass]\ntransmittance = 0.5\n\
+                 [[plane]]\npoint = [0, -0.5, 0]\nnormal = [0, 1, 0]\nmaterial = 'clay'\n\
+                 [[sphere]]\ncenter = [0, 0.5, 0]\nradius = 0.7\nmaterial = 'clay'\n\
+                 [[sphere]]\ncenter = [1, 0.5, 0]\nradius = 0.5\nmaterial = 'glass'\n";
+    Baked::toml("soft", &format!("{CAMERA}{scene}"))
+}
+
+/// One panel, and nothing else that shines.
+fn panel() -> Baked {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/gallery/panel.toml");
+    Baked::new("panel", &scene_file::read(&path).unwrap())
+}
+
 fn nothing() -> Baked {
     Baked::toml(
         "nothing",
@@ -322,6 +342,22 @@ fn types_name_what_the_scene_uses() {
         &["Culled", "PhongReal"],
     );
     few().assert_names(&[], &["Csg", "Instance", "Placement"]);
+    soft().assert_names(
+        &[
+            "AreaLight",
+            "Outline",
+            "Rect",
+            "Disk",
+            "Samples",
+            "Lamp",
+            "Quantity",
+        ],
+        &["Light", "LightBuffer", "FillLight", "Candidates"],
+    );
+    panel().assert_names(
+        &["AreaLight", "Rect", "Samples"],
+        &["Outline", "Disk", "Lamp", "Light", "FillLight", "Quantity"],
+    );
     for (baked, depth) in [(matte(), 1), (crowd(), 4), (tiny(), 5)] {
         let line = format!("pub const DEPTH: usize = {depth};");
         assert!(baked.module.text.contains(&line), "{}", baked.name);
@@ -384,6 +420,8 @@ fn baked_scenes_show_the_bits_of_their_files() {
         tiny(),
         few(),
         workshop(),
+        soft(),
+        panel(),
         nothing(),
         builtin(),
         castle(),

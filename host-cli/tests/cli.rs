@@ -196,6 +196,32 @@ fn srgb_brightens_and_depth_and_threshold_cut() {
 }
 
 #[test]
+fn samples_make_outlines_smooth() {
+    let place = Place::new();
+    let shades = |arguments: &[&str]| {
+        let picture = place.render(arguments);
+        let mut shades = raster(&picture, 24, 16).to_vec();
+        shades.sort_unstable();
+        shades.dedup();
+        shades.len()
+    };
+    let plain = shades(&[]);
+    assert!(shades(&["--samples", "4"]) > plain);
+    assert!(shades(&["--adaptive", "0.02"]) > plain);
+    assert!(shades(&["--adaptive", "0.02", "--samples", "16"]) > plain);
+    // One sample is the middle.
+    assert_eq!(place.render(&["--samples", "1"]), place.render(&[]));
+    // Bands put together are the whole.
+    for sampling in [&["--samples", "3"][..], &["--adaptive", "0"]] {
+        let band = |rows: &str| place.render(&[sampling, &["--rows", rows]].concat());
+        let whole = place.render(sampling);
+        let (upper, lower) = (band("0..5"), band("5..16"));
+        let bands = [raster(&upper, 24, 5), raster(&lower, 24, 11)].concat();
+        assert_eq!(raster(&whole, 24, 16), bands, "{sampling:?}");
+    }
+}
+
+#[test]
 fn the_summary_counts_rays() {
     let place = Place::new();
     let output = place.run(&["render", "scene.nff", "-o", "out.ppm"]);
@@ -230,7 +256,7 @@ fn bad_input_touches_no_output() {
     fs::write(place.path("scene.obj"), "").unwrap();
     fs::create_dir(place.path("directory.ppm")).unwrap();
     let out = "old.ppm";
-    let cases: [(&[&str], &str); 14] = [
+    let cases: [(&[&str], &str); 17] = [
         (
             &["missing.nff", "-o", out],
             "error: missing.nff: cannot be read: No such file",
@@ -279,6 +305,26 @@ fn bad_input_touches_no_output() {
         (
             &["scene.nff", "-o", out, "--depth", "33"],
             "error: invalid value '33' for '--depth ",
+        ),
+        (
+            &["scene.nff", "-o", out, "--samples", "17"],
+            "error: invalid value '17' for '--samples ",
+        ),
+        (
+            &["scene.nff", "-o", out, "--adaptive", "2"],
+            "error: invalid value '2' for '--adaptive ",
+        ),
+        (
+            &[
+                "scene.nff",
+                "-o",
+                out,
+                "--adaptive",
+                "0.1",
+                "--samples",
+                "3",
+            ],
+            "error: --samples is 3: with --adaptive it is 2, 4, 8 or 16",
         ),
         (
             &["scene.nff", "-o", out, "--colour"],

@@ -98,6 +98,14 @@ fn errors_are_told_and_nothing_is_written() {
             "error: --depth and --threshold are for traced pictures; for a map, add --trace\n",
         ),
         (
+            &["room.map", "--trace", "--samples", "2"],
+            "error: --samples and --adaptive are for scenes, not for maps\n",
+        ),
+        (
+            &["room.map", "--adaptive", "0.1"],
+            "error: --samples and --adaptive are for scenes, not for maps\n",
+        ),
+        (
             &["room.map", "--rows", "0..9"],
             "error: --rows ends at 9, but the picture has 8 rows\n",
         ),

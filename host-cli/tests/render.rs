@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use rayon::ThreadPoolBuilder;
+use whitted::antialiasing::{Adaptive, supersampled_row};
 use whitted::{Counters, Exact, Tracer, View};
-use whitted_cli::render::{Settings, render_at};
+use whitted_cli::render::{Sampling, Settings, render_at, render_sampled};
 use whitted_cli::scene::{AnyScene, HostScene, Pool};
 use whitted_cli::scene_file::{self, limits};
 use whitted_cli::wide::levels;
@@ -17,6 +18,8 @@ fn scenes() -> Vec<PathBuf> {
     let mut scenes = vec![
         root.join("host-cli/scenes/builtin.toml"),
         root.join("tests/golden/spheres.toml"),
+        root.join("tests/gallery/panel.toml"),
+        root.join("tests/gallery/globe.toml"),
     ];
     match root.join("../shared/scenes/spd").read_dir() {
         Ok(files) => scenes.extend(files.map(|file| file.unwrap().path())),
@@ -85,6 +88,76 @@ fn every_picture_has_the_bits_of_the_plain_slices() {
                     });
                     assert!(bits(&pixels) == plain, "{what}");
                     assert_eq!(counted, Ok(counters), "{what}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn sampled_pictures_have_the_bits_of_the_core_s_own() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    for name in ["host-cli/scenes/builtin.toml", "tests/gallery/panel.toml"] {
+        let file = scene_file::read(&root.join(name)).unwrap();
+        let pool = Pool::new(&file);
+        let host = HostScene::new(&file, &pool).unwrap();
+        let scene = host.scene();
+        let view = host.camera(23, 37).unwrap().unwrap();
+        let settings = Settings {
+            depth: file.depth,
+            threshold: 0.0,
+        };
+        let tracer = || {
+            let mut tracer = Tracer::<{ limits::DEPTH }, Exact, _>::with(Counters::default());
+            tracer.depth = settings.depth;
+            tracer
+        };
+        let regular = |samples| {
+            let mut row = [Vec3::ZERO; 23];
+            let rows = (0..view.height).flat_map(|y| {
+                supersampled_row(&scene, &view, y, samples, &mut tracer(), &mut row);
+                row
+            });
+            rows.collect::<Vec<_>>()
+        };
+        let adaptive = |bound| {
+            let mut shared = [Vec3::ZERO; 24];
+            let mut adaptive =
+                Adaptive::<_, _, _, _, _, 5>::new(&scene, view, tracer(), bound, &mut shared);
+            let rows = (0..view.height).flat_map(|y| adaptive.row(y).collect::<Vec<_>>());
+            rows.collect::<Vec<_>>()
+        };
+        let levels = 2;
+        let cases = [
+            (Sampling::Regular(1), regular(1)),
+            (Sampling::Regular(3), regular(3)),
+            (Sampling::Adaptive { bound: 0.1, levels }, adaptive(0.1)),
+            (Sampling::Adaptive { bound: 0.0, levels }, adaptive(0.0)),
+        ];
+        for (sampling, expected) in cases {
+            for (threads, rows) in [(1, 0..37), (2, 0..37), (2, 5..30), (1, 36..37)] {
+                let pool = ThreadPoolBuilder::new().num_threads(threads);
+                let mut pixels = Vec::new();
+                let counted = pool.build().unwrap().install(|| {
+                    let emit = |it: &[Vec3]| {
+                        pixels.extend_from_slice(it);
+                        Ok::<_, ()>(())
+                    };
+                    let rows = rows.clone();
+                    render_sampled(&host, &view, rows, settings, sampling, || {}, emit)
+                });
+                let expected = &expected[23 * rows.start as usize..23 * rows.end as usize];
+                assert!(
+                    bits(&pixels) == bits(expected),
+                    "{name}, {sampling:?}, {rows:?}"
+                );
+                let primary = counted.unwrap().primary;
+                match sampling {
+                    Sampling::Regular(samples) => {
+                        let all = u64::from(samples * samples) * pixels.len() as u64;
+                        assert_eq!(primary, all);
+                    }
+                    _ => assert!(primary < 16 * pixels.len() as u64, "{primary}"),
                 }
             }
         }

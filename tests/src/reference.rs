@@ -6,6 +6,7 @@
 //!
 //! T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980.
 
+mod area;
 mod hierarchy;
 mod quadric;
 mod scene_file;
@@ -16,6 +17,7 @@ mod torus;
 use glam::DVec3;
 use rayon::prelude::*;
 
+pub use area::{Area, Extent};
 use hierarchy::Hierarchy;
 pub use quadric::Quadric;
 pub use shape::Shape;
@@ -45,15 +47,17 @@ pub struct Camera {
     pub down: DVec3,
 }
 
-/// A point that shines, without falloff.
+/// What shines, without falloff.
 #[derive(Clone, Copy, Debug)]
 pub struct Light {
-    /// In world space.
+    /// In world space; the middle, where it is no point.
     pub position: DVec3,
     /// Linear RGB intensity.
     pub color: DVec3,
     /// Whether surfaces in between matter.
     pub shadows: bool,
+    /// What it is, unless a point.
+    pub area: Option<Area>,
 }
 
 /// A shape and how its surface answers light.
@@ -241,9 +245,10 @@ impl Scene {
             direction: to_light,
             ..ray
         };
-        let passed = match light.shadows {
-            true => self.transmittance(shadow, distance),
-            false => 1.0,
+        let passed = match (light.shadows, &light.area) {
+            (true, None) => self.transmittance(shadow, distance),
+            (true, Some(area)) => self.seen_share(light.position, area, shadow, normal),
+            (false, _) => 1.0,
         };
         let highlight = reflect(ray.direction, normal)
             .dot(to_light)
@@ -363,6 +368,7 @@ mod tests {
             position,
             color: DVec3::ONE,
             shadows: true,
+            area: None,
         };
         let lights = lights.iter().map(light).collect();
         Scene::new(

@@ -135,6 +135,8 @@ fn every_target_draws_what_the_host_draws() {
         "torus",
         "instance",
         "csg",
+        "soft",
+        "smooth",
         "six-spheres",
         "c-ray",
         "tiny",
@@ -535,6 +537,8 @@ const FEATURES: &[Feature] = &[
                 "torus",
                 "instance",
                 "csg",
+                "soft",
+                "smooth",
             ];
             is_on_or_above(program, "floor") || is_one_of(program, &others)
         },
@@ -554,6 +558,8 @@ const FEATURES: &[Feature] = &[
                 "torus",
                 "instance",
                 "csg",
+                "soft",
+                "smooth",
             ];
             is_on_or_above(program, "shadows") && !is_on_or_above(program, "glass")
                 || is_one_of(program, &opaque)
@@ -576,6 +582,8 @@ const FEATURES: &[Feature] = &[
                 "torus",
                 "instance",
                 "csg",
+                "soft",
+                "smooth",
             ];
             is_on_or_above(program, "highlight") && program != "everything"
                 || is_one_of(program, &others)
@@ -615,6 +623,16 @@ const FEATURES: &[Feature] = &[
         name: "solids that are joined",
         bodies: &[body("core/src/csg.rs", &["fn surfaces<"])],
         named_by: |program| program == "csg",
+    },
+    Feature {
+        name: "soft shadows",
+        bodies: &[body("core/src/area.rs", &["for AreaLight<E>", "fn share<"])],
+        named_by: |program| program == "soft",
+    },
+    Feature {
+        name: "adaptive anti-aliasing",
+        bodies: &[body("core/src/antialiasing.rs", &["pub fn pixel("])],
+        named_by: |program| program == "smooth",
     },
     Feature {
         name: "mirrors",

@@ -1,11 +1,15 @@
 //! Scenes that show what there is, by the renderer, by the oracle and by POV-Ray.
 
+use std::convert::Infallible;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use glam::Vec3;
 use whitted::picture::to_rgb8;
 use whitted_cli::picture::Picture;
+use whitted_cli::render::{Sampling, Settings, render_sampled};
+use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::{SceneFile, read};
 use whitted_tests::comparison::{differences, render, render_fast};
 
@@ -15,7 +19,12 @@ mod pov;
 /// Every scene; the most pixels in which the renderer and the oracle may differ by more than a step of
 /// 255, all explained by rounding; and the least share of channels, in percent, that must lie within a
 /// step of POV-Ray's.
-const SCENES: [(&str, usize, f64); 2] = [("quadrics", 10, 99.8), ("tori", 10, 99.8)];
+const SCENES: [(&str, usize, f64); 4] = [
+    ("quadrics", 10, 99.8),
+    ("tori", 10, 99.8),
+    ("panel", 10, 99.0),
+    ("globe", 10, 90.0),
+];
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("gallery")
@@ -76,39 +85,110 @@ fn pictures_are_those_of_the_oracle() {
     }
 }
 
+/// What POV-Ray draws, without anti-aliasing; nothing where it is not installed.
+fn pov_ray(name: &str, file: &SceneFile, width: u32, height: u32) -> Option<Picture> {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    let path = |extension| folder.join(format!("{name}-{width}.{extension}"));
+    let (source, picture) = (path("pov"), path("ppm"));
+    std::fs::write(&source, pov::write(file).unwrap()).unwrap();
+    let mut command = Command::new("povray");
+    command.arg(format!("+I{}", source.display()));
+    command.arg(format!("+O{}", picture.display()));
+    command.args(["+FP", "File_Gamma=1.0", "-A", "-D", "-GA"]);
+    command.args([format!("+W{width}"), format!("+H{height}")]);
+    let Ok(output) = command.output() else {
+        // Not printed: the harness keeps what passing tests print.
+        let _ = writeln!(io::stderr(), "NOT RUN: {name}, for there is no povray");
+        return None;
+    };
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    Some(Picture::read(&picture).unwrap())
+}
+
+/// Of the channels those, in percent, that are at most so far apart.
+fn close(ours: &[u16], theirs: &[u16], steps: u16) -> f64 {
+    let pairs = ours.iter().zip(theirs);
+    let close = pairs.filter(|(a, b)| a.abs_diff(**b) <= steps).count();
+    100.0 * close as f64 / ours.len() as f64
+}
+
 #[test]
 fn pictures_are_those_of_pov_ray() {
     for (name, _, least) in SCENES {
         let (file, width, height) = scene(name);
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-        let (source, picture) = (folder.join("scene.pov"), folder.join("scene.ppm"));
-        std::fs::write(&source, pov::write(&file).unwrap()).unwrap();
-        let mut command = Command::new("povray");
-        command.arg(format!("+I{}", source.display()));
-        command.arg(format!("+O{}", picture.display()));
-        command.args(["+FP", "File_Gamma=1.0", "-A", "-D", "-GA"]);
-        command.args([format!("+W{width}"), format!("+H{height}")]);
-        let Ok(output) = command.output() else {
-            // Not printed: the harness keeps what passing tests print.
-            let _ = writeln!(io::stderr(), "NOT RUN: {name}, for there is no povray");
+        let Some(theirs) = pov_ray(name, &file, width, height) else {
             return;
         };
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
-        let theirs = Picture::read(&picture).unwrap();
         let ours = rendered(&file, width, height);
-        let close = ours
-            .iter()
-            .zip(&theirs.samples)
-            .filter(|(a, b)| a.abs_diff(**b) <= 1);
-        let share = 100.0 * close.count() as f64 / ours.len() as f64;
+        let share = close(&ours, &theirs.samples, 1);
         println!("{name}: {share:.4} % of channels are POV-Ray's");
         assert!(
             share >= least,
             "{name}: {share:.4} % of channels, not {least}"
         );
     }
+}
+
+#[test]
+fn smooth_pictures_are_those_of_pov_ray() {
+    for name in ["quadrics", "tori"] {
+        let (file, width, height) = scene(name);
+        let (width, height) = (width / 2, height / 2);
+        let Some(fine) = pov_ray(name, &file, 4 * width, 4 * height) else {
+            return;
+        };
+        // 4 × 4 of its pixels make one of ours.
+        let (width, height) = (width as usize, height as usize);
+        let mut theirs = Vec::new();
+        for place in 0..width * height {
+            let (left, top) = (4 * (place % width), 4 * (place / width));
+            for channel in 0..3 {
+                let sample = |i: usize| (top + i / 4) * 4 * width + left + i % 4;
+                let samples = (0..16).map(|i| fine.samples[3 * sample(i) + channel]);
+                theirs.push((samples.sum::<u16>() + 8) / 16);
+            }
+        }
+        for (sampling, steps, least) in [
+            (Sampling::Regular(4), 1, 99.8),
+            (
+                Sampling::Adaptive {
+                    bound: 1.0 / 32.0,
+                    levels: 2,
+                },
+                8,
+                98.0,
+            ),
+        ] {
+            let ours = sampled(&file, width as u32, height as u32, sampling);
+            let share = close(&ours, &theirs, steps);
+            println!("{name}, {sampling:?}: {share:.4} % of channels within {steps} steps");
+            assert!(
+                share >= least,
+                "{name}, {sampling:?}: {share:.4} % of channels, not {least}"
+            );
+        }
+    }
+}
+
+/// What `whitted render` draws with anti-aliasing.
+fn sampled(file: &SceneFile, width: u32, height: u32, sampling: Sampling) -> Vec<u16> {
+    let pool = Pool::new(file);
+    let host = HostScene::new(file, &pool).unwrap();
+    let view = host.camera(width, height).unwrap().unwrap();
+    let settings = Settings {
+        depth: file.depth,
+        threshold: 0.0,
+    };
+    let mut channels = Vec::new();
+    let emit = |pixels: &[Vec3]| {
+        let bytes = pixels.iter().flat_map(|it| to_rgb8(*it));
+        channels.extend(bytes.map(u16::from));
+        Ok::<_, Infallible>(())
+    };
+    let Ok(_) = render_sampled(&host, &view, 0..height, settings, sampling, || {}, emit);
+    channels
 }

@@ -15,7 +15,7 @@ use crate::args;
 use crate::map::HostMap;
 use crate::output::Output;
 use crate::picture::{Format, Transfer, Writer};
-use crate::render::{Settings, encode, render_whole};
+use crate::render::{Sampling, Settings, encode, render_sampled};
 use crate::scene::{HostScene, Pool};
 use crate::scene_file::map::{self, MapFile};
 use crate::scene_file::{self, SceneFile};
@@ -70,11 +70,26 @@ impl Job<'_> {
             bail!("{}: the scene has no camera", file.path.display());
         };
         let settings = self.settings(file.depth);
+        let sampling = self.sampling()?;
         self.write(&view, rows.clone(), |progress, emit| {
             let row_done = || progress.inc(1);
-            let counters = render_whole(&scene, &view, rows, settings, row_done, emit)?;
+            let counters = render_sampled(&scene, &view, rows, settings, sampling, row_done, emit)?;
             Ok(Some(counters))
         })
+    }
+
+    /// How pixels are sampled.
+    fn sampling(&self) -> anyhow::Result<Sampling> {
+        match (self.args.adaptive, self.args.samples) {
+            (None, samples) => Ok(samples.map_or(Sampling::Middle, Sampling::Regular)),
+            (Some(bound), samples) => match samples.unwrap_or(4) {
+                samples @ (2 | 4 | 8 | 16) => Ok(Sampling::Adaptive {
+                    bound,
+                    levels: samples.ilog2(),
+                }),
+                samples => bail!("--samples is {samples}: with --adaptive it is 2, 4, 8 or 16"),
+            },
+        }
     }
 
     fn map(&self, file: &MapFile) -> anyhow::Result<()> {
@@ -82,6 +97,9 @@ impl Job<'_> {
         let [width, height] = self.size(file.size);
         let rows = self.rows(height)?;
         let view = host.view(width, height)?;
+        if self.args.samples.is_some() || self.args.adaptive.is_some() {
+            bail!("--samples and --adaptive are for scenes, not for maps");
+        }
         if self.args.trace {
             let settings = self.settings(file.depth);
             return self.write(&view, rows.clone(), |progress, emit| {

@@ -30,6 +30,8 @@ pub const DEPTH: usize = 32;
 pub enum Range {
     /// A coordinate or radius: any number that `f32` can hold.
     Length,
+    /// The radius of a light: what `f32` can hold from 0 on.
+    Radius,
     /// Brightness, of a light or colour: from 0 to 2^20, so that sums of products stay finite.
     Brightness,
     /// A share of what arrives: from 0 to 1.
@@ -49,6 +51,7 @@ impl Range {
         let rounded = value as f32;
         let admitted = match self {
             Self::Length => rounded.is_finite(),
+            Self::Radius => (0.0..=f32::MAX).contains(&rounded),
             Self::Brightness => (0.0..=1_048_576.0).contains(&rounded),
             Self::Share => (0.0..=1.0).contains(&rounded),
             Self::Exponent => (0.0..=16_777_216.0).contains(&rounded),
@@ -73,6 +76,7 @@ impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Length => "not a finite 32-bit float",
+            Self::Radius => "not a finite 32-bit float from 0 on",
             Self::Brightness => "not between 0 and 1048576",
             Self::Share => "not between 0 and 1",
             Self::Exponent => "not between 0 and 16777216",
@@ -95,6 +99,10 @@ mod tests {
             (Length, 1e-300, true),
             (Length, f64::NAN, false),
             (Length, f64::INFINITY, false),
+            (Radius, 0.0, true),
+            (Radius, -1e-300, false),
+            (Radius, 3.5e38, false),
+            (Radius, f64::NAN, false),
             (Brightness, 0.0, true),
             (Brightness, -1e-300, false),
             (Brightness, 1_048_576.0, true),

@@ -296,6 +296,7 @@ impl Parser<'_> {
             position,
             color,
             shadows: true,
+            area: None,
         });
         Ok(())
     }

@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 use glam::Vec3;
 
-use super::{Camera, Group, Instance, Lens, Light, Object, SceneFile, Shape, Solid};
+use super::{Area, Camera, Group, Instance, Lens, Light, Object, SceneFile, Shape, Solid};
 
 /// Lengths in a file are those that are cast times 2^`exponent`.
 ///
@@ -46,13 +46,10 @@ impl Scale {
                 }
             });
         }
-        let instances = file.instances.iter().flat_map(|it| it.translation);
-        for length in file
-            .lights
-            .iter()
-            .flat_map(|it| it.position)
-            .chain(instances)
-        {
+        for light in &file.lights {
+            light.map(&note);
+        }
+        for length in file.instances.iter().flat_map(|it| it.translation) {
             note(length);
         }
         if let Some(camera) = &file.camera {
@@ -183,9 +180,8 @@ impl SceneFile {
                 .lights
                 .iter()
                 .map(|it| Light {
-                    position: it.position.map(length),
                     color: it.color.map(number),
-                    ..*it
+                    ..it.map(&length)
                 })
                 .collect(),
             objects: objects(&self.objects),
@@ -209,6 +205,20 @@ impl SceneFile {
                 })
                 .collect(),
             path: self.path.clone(),
+            ..*self
+        }
+    }
+}
+
+impl Light {
+    /// With every length replaced.
+    fn map(&self, length: &impl Fn(f64) -> f64) -> Self {
+        Self {
+            position: self.position.map(length),
+            area: self.area.map(|it| Area {
+                extent: it.extent.map(length),
+                ..it
+            }),
             ..*self
         }
     }
@@ -362,10 +372,7 @@ mod tests {
             lights: file
                 .lights
                 .iter()
-                .map(|it| Light {
-                    position: it.position.map(|x| x * factor),
-                    ..*it
-                })
+                .map(|it| it.map(&|x| x * factor))
                 .collect(),
             objects: file
                 .objects

@@ -8,11 +8,12 @@ use ::toml::Spanned;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
+use whitted::area::Samples;
 
 use super::limits::{self, Range};
 use super::{
-    Camera, DEFAULT_DEPTH, General, Group, Instance, Lens, Light, Located, Material, Object, Place,
-    Problem, Quadric, SceneError, SceneFile, Shape, Solid, at, solid,
+    Area, Camera, DEFAULT_DEPTH, Extent, General, Group, Instance, Lens, Light, Located, Material,
+    Object, Place, Problem, Quadric, SceneError, SceneFile, Shape, Solid, at, solid,
 };
 use crate::scene_file::error::excerpt;
 
@@ -326,6 +327,10 @@ pub(super) struct LightFields {
     color: Option<Point>,
     #[serde(default = "yes")]
     shadows: bool,
+    edges: Option<Spanned<[Point; 2]>>,
+    radius: Option<Real>,
+    samples: Option<Spanned<u64>>,
+    adaptive: Option<Spanned<u64>>,
 }
 
 #[derive(Deserialize)]
@@ -1246,7 +1251,56 @@ impl LightFields {
             position: check.point("a coordinate of the light", &self.position)?,
             color: check.color("a component of the light's colour", &self.color, 1.0)?,
             shadows: shadows && self.shadows,
+            area: self.area(check)?,
         })
+    }
+
+    fn area(&self, check: &Checker<'_>) -> Result<Option<Area>, Located> {
+        fn fail<T>(place: Place, problem: &'static str) -> Result<T, Located> {
+            Err((place, Problem::Contradiction(problem)))
+        }
+        let extent = match (&self.edges, &self.radius) {
+            (None, None) => {
+                if let Some(it) = self.samples.as_ref().or(self.adaptive.as_ref()) {
+                    let problem =
+                        "`samples` and `adaptive` are for lights with `edges` or a `radius`";
+                    return fail(check.start(it), problem);
+                }
+                return Ok(None);
+            }
+            (Some(edges), None) => {
+                let [a, b] = edges.get_ref();
+                let edge = |it| check.point("a component of an edge", it);
+                Extent::Rect {
+                    edges: [edge(a)?, edge(b)?],
+                }
+            }
+            (None, Some(radius)) => Extent::Disk {
+                radius: check.real("the radius of the light", radius, Range::Radius)?,
+            },
+            (Some(edges), Some(_)) => {
+                let problem = "a light has either `edges` or a `radius`, not both";
+                return fail(check.start(edges), problem);
+            }
+        };
+        // How often a side is halved.
+        let levels = |it: &Option<Spanned<u64>>, default| match it {
+            None => Ok(default),
+            Some(it) if [1, 2, 4, 8, 16].contains(it.get_ref()) => Ok(it.get_ref().ilog2() as u8),
+            Some(it) => fail(
+                check.start(it),
+                "a light has 1, 2, 4, 8 or 16 samples to a side",
+            ),
+        };
+        let most = levels(&self.samples, 3)?;
+        let least = levels(&self.adaptive, most)?;
+        match &self.adaptive {
+            Some(it) if least > most => fail(check.start(it), "`adaptive` is more than `samples`"),
+            _ => Ok(Some(Area {
+                extent,
+                samples: Samples { least, most },
+            })),
+        }
     }
 }
 
@@ -1521,6 +1575,28 @@ mod tests {
     }
 
     #[test]
+    fn lights_may_have_an_extent() {
+        let area = |fields: &str| {
+            let text = format!("[[light]]\nposition = [1, 2, 3]\n{fields}");
+            read(&text).unwrap().lights[0].area
+        };
+        assert_eq!(area(""), None);
+        let disk = |least, most| {
+            Some(Area {
+                extent: Extent::Disk { radius: 2.0 },
+                samples: Samples { least, most },
+            })
+        };
+        assert_eq!(area("radius = 2"), disk(3, 3));
+        assert_eq!(area("radius = 2\nsamples = 16"), disk(4, 4));
+        assert_eq!(area("radius = 2\nsamples = 16\nadaptive = 2"), disk(1, 4));
+        assert_eq!(area("radius = 2\nsamples = 1"), disk(0, 0));
+        let edges = [[1.0, 0.0, 0.5], [0.0, 2.0, 0.0]];
+        let found = area("edges = [[1, 0, 0.5], [0, 2, 0]]").unwrap();
+        assert_eq!(found.extent, Extent::Rect { edges });
+    }
+
+    #[test]
     fn errors_name_the_place_and_the_reason() {
         let camera = |fields: &str| format!("[camera]\neye = [0, 0, 1]\n{fields}");
         let shape = |kind: &str, fields: &str| format!("[[{kind}]]\nmaterial = 'a'\n{fields}");
@@ -1646,6 +1722,42 @@ mod tests {
             (
                 &shape("ellipsoid", "center = [0, 0, 0]\nradius = 1"),
                 "4:1: unknown field `radius`, expected one of `material`, `center`, `radii`",
+            ),
+            (
+                "[[light]]\nposition = [0, 0, 0]\nsamples = 4",
+                "3:11: `samples` and `adaptive` are for lights with `edges` or a `radius`",
+            ),
+            (
+                "[[light]]\nposition = [0, 0, 0]\nadaptive = 4",
+                "3:12: `samples` and `adaptive` are for lights with `edges` or a `radius`",
+            ),
+            (
+                "[[light]]\nposition = [0, 0, 0]\nedges = [[1, 0, 0], [0, 1, 0]]\nradius = 1",
+                "3:9: a light has either `edges` or a `radius`, not both",
+            ),
+            (
+                "[[light]]\nposition = [0, 0, 0]\nedges = [[1, 0, 0]]",
+                "3:9: invalid length 1, expected an array of length 2",
+            ),
+            (
+                "[[light]]\nposition = [0, 0, 0]\nedges = [[1, 0, 0], [0, nan, 0]]",
+                "3:21: a component of an edge is NaN: not a finite 32-bit float",
+            ),
+            (
+                "[[light]]\nposition = [0, 0, 0]\nradius = -1",
+                "3:10: the radius of the light is -1.0: not a finite 32-bit float from 0 on",
+            ),
+            (
+                "[[light]]\nposition = [0, 0, 0]\nradius = 1\nsamples = 0",
+                "4:11: a light has 1, 2, 4, 8 or 16 samples to a side",
+            ),
+            (
+                "[[light]]\nposition = [0, 0, 0]\nradius = 1\nadaptive = 32",
+                "4:12: a light has 1, 2, 4, 8 or 16 samples to a side",
+            ),
+            (
+                "[[light]]\nposition = [0, 0, 0]\nradius = 1\nsamples = 4\nadaptive = 8",
+                "5:12: `adaptive` is more than `samples`",
             ),
             (
                 "[sphere]\nradius = 1",

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use whitted_cli::scene_file::{Lens, Material, Quadric, SceneFile, Shape, Solid, Step};
+use whitted_cli::scene_file::{
+    Area, Extent, Lens, Material, Quadric, SceneFile, Shape, Solid, Step,
+};
 
 fn vector(v: [f64; 3]) -> String {
     format!("<{:e},{:e},{:e}>", v[0], v[1], v[2])
@@ -300,6 +302,26 @@ fn solid(file: &SceneFile, of: &Solid) -> Option<String> {
     Some(format!("union {{ {} {texture} }}", waiting.pop()?))
 }
 
+/// POV-Ray's samples lie on the edges, too: its light is smaller, so that they lie where ours do. On a
+/// disk they lie elsewhere: POV-Ray pulls a square's corners in along the diagonals.
+fn area_light(area: &Area) -> String {
+    let samples = f64::from(1 << area.samples.most);
+    let inner = (samples - 1.0) / samples;
+    let ([a, b], kind) = match area.extent {
+        Extent::Rect { edges } => (edges, ""),
+        Extent::Disk { radius } => {
+            let width = 2.0 * radius;
+            ([[width, 0.0, 0.0], [0.0, width, 0.0]], " circular orient")
+        }
+    };
+    let [a, b] = [a, b].map(|edge| vector(times(edge, inner)));
+    let adaptive = match area.samples.least {
+        least if least < area.samples.most => format!(" adaptive {}", least.max(1) - 1),
+        _ => String::new(),
+    };
+    format!(" area_light {a}, {b}, {samples}, {samples}{adaptive}{kind}")
+}
+
 /// A scene without planes of its own; negative radii are drawn from both sides.
 pub fn write(file: &SceneFile) -> Option<String> {
     let camera = file.camera.as_ref()?;
@@ -326,9 +348,10 @@ pub fn write(file: &SceneFile) -> Option<String> {
     for light in &file.lights {
         let shadowless = if light.shadows { "" } else { " shadowless" };
         let (position, color) = (vector(light.position), vector(light.color));
+        let area = light.area.as_ref().map_or(String::new(), area_light);
         let _ = writeln!(
             text,
-            "light_source {{ {position} rgb {color}{shadowless} }}"
+            "light_source {{ {position} rgb {color}{area}{shadowless} }}"
         );
     }
     // Faces of one piece of glass are one object to POV-Ray, or it would not know their inside.

@@ -2,16 +2,19 @@
 //!
 //! Every rung has its own material type, and so its own statics; shapes and colors are shared.
 
+use embedded_graphics::Drawable;
 use embedded_graphics::draw_target::DrawTarget;
 use embedded_graphics::pixelcolor::{Rgb565, Rgb888};
 use embedded_graphics::prelude::{Point, Size};
 use embedded_graphics::primitives::Rectangle;
 use glam::Vec3;
+use whitted::antialiasing::{self, Adaptive};
+use whitted::area::{Rect, Samples};
 use whitted::csg::Difference;
 use whitted::{
-    Clip, Counters, Csg, Cuboid, Ends, FillLight, Frustum, Geometry, Glass, Instance, Light,
-    Material, Mirror, Object, Objects, Patch, Phong, PhongReal, Placement, Plane, Polygon, Quadric,
-    Scene, Sphere, Torus, Triangle, View, picture,
+    AreaLight, Clip, Counters, Csg, Cuboid, Ends, Exact, FillLight, Frustum, Geometry, Glass,
+    Instance, Light, Material, Mirror, Object, Objects, Patch, Phong, PhongReal, Picture,
+    Placement, Plane, Polygon, Quadric, Scene, Sphere, Torus, Tracer, Triangle, View, picture,
 };
 
 use super::{Frame, Visitor, level_view};
@@ -407,6 +410,83 @@ rung!(
         ((&BALLS, &FLOORS), &BITTEN)
 );
 
+/// The rung with highlights under a panel in place of its light.
+mod soft {
+    use super::*;
+    use highlight::{BALLS, FLOORS, M};
+
+    static LIGHTS: [AreaLight<Rect>; 1] = [AreaLight {
+        position: LIGHT,
+        color: Vec3::ONE,
+        extent: Rect {
+            edges: [Vec3::new(1.5, 0.0, 0.0), Vec3::new(0.0, -0.75, 1.0)],
+        },
+        samples: Samples { least: 1, most: 3 },
+    }];
+    type Geometry = (Objects<Sphere, M>, Objects<Plane, M>);
+    pub static SCENE: Scene<'static, Geometry, AreaLight<Rect>> = Scene {
+        geometry: (&BALLS, &FLOORS),
+        lights: &LIGHTS,
+        background: BACKGROUND,
+        ambient: AMBIENT,
+    };
+}
+frame!(
+    /// Spheres, a plane and highlights under a light that casts soft shadows: no rung, but one beside that
+    /// of highlights.
+    Soft = &soft::SCENE, VIEW, 1
+);
+
+/// Spheres, a plane and highlights with adaptive anti-aliasing: no rung, but one beside that of
+/// highlights. Rows are drawn each by itself, and share no samples; a display's picture is drawn as a whole.
+pub struct Smooth;
+
+impl Smooth {
+    /// 32 steps of a channel of 8 bits.
+    const BOUND: f32 = 1.0 / 8.0;
+}
+
+impl Frame for Smooth {
+    const VIEW: View = VIEW;
+
+    #[inline(always)]
+    fn row(y: u32, row: &mut [Vec3]) {
+        let (scene, tracer) = (&highlight::SCENE, Tracer::<1>::new());
+        let mut adaptive =
+            Adaptive::<_, _, _, _, 1, 5>::new(scene, VIEW, tracer, Self::BOUND, &mut []);
+        for (pixel, color) in row.iter_mut().zip(adaptive.row(y)) {
+            *pixel = color;
+        }
+    }
+
+    fn draw<D: DrawTarget<Color = Rgb565>>(display: &mut D) -> Result<(), D::Error> {
+        let picture = antialiasing::Smooth::<_, _, 1, 5, 65> {
+            picture: Picture::new(&highlight::SCENE, VIEW),
+            bound: Self::BOUND,
+        };
+        Drawable::draw(&picture, display)
+    }
+
+    fn count() -> Counters {
+        let mut shared = [Vec3::ZERO; 65];
+        let tracer = Tracer::<1, Exact, _>::with(Counters::default());
+        let mut adaptive = Adaptive::<_, _, _, _, 1, 5>::new(
+            &highlight::SCENE,
+            VIEW,
+            tracer,
+            Self::BOUND,
+            &mut shared,
+        );
+        for y in 0..VIEW.height {
+            // Through memory, so that the light is not left out where only counts are used.
+            adaptive.row(y).for_each(|pixel| {
+                core::hint::black_box(pixel);
+            });
+        }
+        adaptive.tracer.counters
+    }
+}
+
 /// A frame made from the rays alone.
 macro_rules! ray_frame {
     ($(#[$doc:meta])* $frame:ident = $color:expr) => {
@@ -471,4 +551,6 @@ pub(super) fn visit_all(visitor: &mut impl Visitor) {
     visitor.visit::<WithTorus>("torus");
     visitor.visit::<WithInstances>("instance");
     visitor.visit::<WithSolid>("csg");
+    visitor.visit::<Soft>("soft");
+    visitor.visit::<Smooth>("smooth");
 }

@@ -87,6 +87,8 @@ pub fn visit_varied(visitor: &mut impl Visitor) {
     visitor.visit::<ladder::Everything>("everything");
     visitor.visit::<ladder::WithQuadric>("quadric");
     visitor.visit::<ladder::WithTorus>("torus");
+    visitor.visit::<ladder::Soft>("soft");
+    visitor.visit::<ladder::Smooth>("smooth");
     layouts::visit_all(visitor);
     outside::visit_all(visitor);
     castle::visit_all(visitor);

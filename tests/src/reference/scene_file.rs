@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use whitted_cli::scene_file::{self, Lens, SceneFile};
 
 use super::solid::{Part, Placed, Solid};
-use super::{Camera, Finish, Light, Object, Quadric, Scene, Shape};
+use super::{Area, Camera, Extent, Finish, Light, Object, Quadric, Scene, Shape};
 
 impl Scene {
     /// A scene file, seen by its camera in a picture of this size; nothing if it has no camera.
@@ -101,6 +101,14 @@ impl From<&scene_file::Light> for Light {
             position: light.position.into(),
             color: light.color.into(),
             shadows: light.shadows,
+            area: light.area.map(|it| Area {
+                extent: match it.extent {
+                    scene_file::Extent::Rect { edges } => Extent::Rect(edges.map(DVec3::from)),
+                    scene_file::Extent::Disk { radius } => Extent::Disk(radius),
+                },
+                most: 1 << it.samples.most,
+                least: 1 << it.samples.least,
+            }),
         }
     }
 }
