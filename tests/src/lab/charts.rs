@@ -2,7 +2,7 @@
 //!
 //! Of each stage, cost against worst error (`price_and_error`) and wrong answers against difficulty
 //! (`difficulty`); of the polygons also what leaks through closed meshes (`leaks`); and of whole frames,
-//! cost against pixels that are off (`frames`). Marks and lines carry their names: there are no legends
+//! cost against pixels that are off (`frames`), and rays against error (`sampling`). Marks and lines carry their names: there are no legends
 //! to look up.
 
 mod difficulty;
@@ -10,6 +10,7 @@ mod frames;
 mod labels;
 mod leaks;
 mod price_and_error;
+mod sampling;
 
 use std::path::Path;
 
@@ -58,6 +59,11 @@ pub fn draw_all(results: &Results, folder: &Path) -> Result<(), Failure> {
     }
     overview(results, &folder.join("overview.svg"))?;
     frames::draw(results, &folder.join("frames.svg"))?;
+    let sampled = &results.sampling;
+    for (subject, title) in [("pixels", "Anti-aliasing"), ("lights", "Soft shadows")] {
+        let path = folder.join(format!("sampling-{subject}.svg"));
+        sampling::draw(sampled, subject, title, &path)?;
+    }
     leaks::draw(&results.leaks, &folder.join("watertight.svg"))
 }
 

@@ -2,6 +2,7 @@
 
 use super::cycles::{self, Cost, Price};
 use super::frames::{Frame, FramePrice};
+use super::sampling::Sampled;
 use super::special::Outcome;
 use super::tally::Row;
 use super::watertight::Leaks;
@@ -102,6 +103,8 @@ pub struct Results {
     pub special: Vec<Outcome>,
     /// The meshes.
     pub leaks: Vec<Leaks>,
+    /// Ways to sample pixels and lights.
+    pub sampling: Vec<Sampled>,
     /// The frames.
     pub frames: Vec<Frame>,
     /// The methods' prices.

@@ -14,6 +14,7 @@ pub mod pricing;
 pub mod quadric;
 pub mod random;
 pub mod roots;
+pub mod sampling;
 pub mod secondary;
 pub mod special;
 pub mod sphere;
@@ -124,6 +125,10 @@ pub fn measure(
             true => frames::run(plan.width, progress),
             false => Vec::new(),
         },
+        sampling: match wanted("sampling") {
+            true => sampling::run(plan.width / 2, progress),
+            false => Vec::new(),
+        },
         ..Results::default()
     }
 }
@@ -150,6 +155,7 @@ pub fn write(results: &Results, folder: &Path) -> Result<(), csv::Error> {
     table(&folder.join("special.csv"), &results.special)?;
     table(&folder.join("watertight.csv"), &results.leaks)?;
     table(&folder.join("frames.csv"), &results.frames)?;
+    table(&folder.join("sampling.csv"), &results.sampling)?;
     let mut worst: Vec<Worst> = Vec::new();
     for row in results
         .rows
