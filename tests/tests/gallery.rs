@@ -22,8 +22,8 @@ mod pov;
 const SCENES: [(&str, usize, f64); 4] = [
     ("quadrics", 10, 99.8),
     ("tori", 10, 99.8),
-    ("panel", 10, 99.0),
-    ("globe", 10, 90.0),
+    ("panel", 10, 99.9),
+    ("globe", 10, 98.0),
 ];
 
 fn folder() -> PathBuf {
