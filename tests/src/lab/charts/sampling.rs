@@ -62,7 +62,6 @@ fn panel(canvas: &Canvas<'_>, title: &str, lines: &[&Sampled]) -> Result<(), Fai
             methods.push(&line.method);
         }
     }
-    // The best first, as the lines lie at their lower ends.
     for (place, method) in methods.iter().enumerate() {
         let (color, width) = match *method {
             "regular" => (FRONT, 2),
