@@ -544,6 +544,10 @@ mod tests {
     #[test]
     fn impossible_shapes_and_cameras_are_errors_at_their_place() {
         let shape = |fields: &str| format!("[material.a]\n[[{fields}\nmaterial = 'a'");
+        let placed = |instances: &str| {
+            let plane = "[[group.a.plane]]\nmaterial = 'b'\npoint = [0, 0, 0]\nnormal = [0, 1, 0]";
+            format!("[group.a]\n{instances}\n{plane}\n[material.b]")
+        };
         let camera = |fields: &str| format!("\n[camera]\nup = [0, 0, 1]\n{fields}");
         let cases = [
             (
@@ -638,10 +642,19 @@ mod tests {
                 Problem::Quadric(QuadricError::EmptyClip),
             ),
             (
-                "[group.a]\n[[instance]]\nof = 'a'\n[[group.a.plane]]\nmaterial = 'b'\n\
-                 point = [0, 0, 0]\nnormal = [0, 1, 0]\n[material.b]"
-                    .replace("of = 'a'", "of = 'a'\nscale = [1, 0, 1]"),
+                placed("[[instance]]\nof = 'a'\nscale = [1, 0, 1]"),
                 Problem::Placement(PlacementError::Singular),
+            ),
+            (
+                placed("[[instance]]\nof = 'a'\nscale = [1, 1e30, 1]"),
+                Problem::Placement(PlacementError::Range),
+            ),
+            (
+                placed(
+                    "[[group.b.instance]]\nof = 'a'\nscale = 1e30\n\
+                     [[instance]]\nof = 'b'\nscale = 1e30",
+                ),
+                Problem::Placement(PlacementError::NotFinite),
             ),
             (
                 camera("eye = [1, 2, 3]\ntarget = [1, 2, 3]\nfov = 30"),

@@ -89,6 +89,8 @@ pub fn visit_varied(visitor: &mut impl Visitor) {
     visitor.visit::<ladder::WithTorus>("torus");
     visitor.visit::<ladder::Soft>("soft");
     visitor.visit::<ladder::Smooth>("smooth");
+    visitor.visit::<ladder::WithInstances>("instance");
+    visitor.visit::<ladder::WithSolid>("csg");
     layouts::visit_all(visitor);
     outside::visit_all(visitor);
     castle::visit_all(visitor);
