@@ -11,16 +11,16 @@
 //!
 //! # Faces that coincide
 //!
-//! Between two crossings that lie within rounding of each other there is nothing: they count as one. So there
-//! is no film where a face of what is taken away lies in a face of what it is taken from, and no wall where
-//! two parts of a union touch; what only touches a solid does not meet it. Of the leaves that make such a
-//! surface, the first in the expression lends it normal and material.
+//! Between crossings of two leaves that lie within rounding of each other, by faces that are parallel, there is
+//! nothing: they count as one. So there is no film where a face of what is taken away lies in a face of what it is taken from, and no
+//! wall where two parts of a union touch. Of the leaves that make such a surface, the first in the expression
+//! lends it normal and material.
 //!
 //! What a ray leaves is not met again, nor is any face that coincides with it.
 //!
 //! Rounding is [`SLACK`] times the greatest coordinate of the ray's origin and the distance, together,
 //! measured across the faces: twice what two kernels in [`crate::shape`] may differ by where two faces are
-//! the same. What is thinner than that is not there. For rays that meet a face at less than 1/4096, it is
+//! the same. What two leaves leave thinner than that is not there. For rays that meet a face at less than 1/4096, it is
 //! measured along the ray, and 4096 times as much.
 
 use glam::Vec3;
@@ -297,17 +297,40 @@ fn turned(side: Side, flips: bool) -> Side {
 
 /// Over how much of the slack crossings may coincide, of rays along a face.
 const FLATTEST: f32 = 4096.0;
+/// The least cosine between two faces that are one: of 2.5 degrees.
+const PARALLEL: f32 = 1023.0 / 1024.0;
 
 impl<E: Expression, const N: usize> Csg<E, N> {
-    /// Whether `t`, where the ray crosses a leaf, coincides with what it crosses `gap` before.
+    /// The leaf's normal where the ray crosses it, and how steeply it does.
     #[inline]
-    fn is_within<P: Math>(&self, ray: &Ray, crossing: Crossing, gap: f32, slack: f32) -> bool {
-        gap <= slack
-            || gap <= slack * FLATTEST
-                && match self.0.surface::<P>(ray, crossing.t, crossing.leaf.into()) {
-                    Some((normal, _)) => gap * dot(&normal, &ray.direction).abs() <= slack,
-                    None => false,
+    fn steepness<P: Math>(&self, ray: &Ray, crossing: Crossing) -> Option<(Vec3, f32)> {
+        let (normal, _) = self.0.surface::<P>(ray, crossing.t, crossing.leaf.into())?;
+        Some((normal, dot(&normal, &ray.direction).abs()))
+    }
+
+    /// Whether the ray crosses the face that it leaves once more: another leaf's, in the same place.
+    #[inline]
+    fn is_left<P: Math>(&self, ray: &Ray, crossing: Crossing, slack: f32) -> bool {
+        let gap = crossing.t;
+        gap <= slack * FLATTEST
+            && self
+                .steepness::<P>(ray, crossing)
+                .is_some_and(|(_, cos)| gap * cos <= slack)
+    }
+
+    /// Whether two faces are the same where the ray crosses both.
+    #[inline]
+    fn coincide<P: Math>(&self, ray: &Ray, a: Crossing, b: Crossing, slack: f32) -> bool {
+        let gap = b.t - a.t;
+        // A leaf's own two ends are as far apart as its kernel says, and faces that meet in an edge are two.
+        a.leaf != b.leaf
+            && gap <= slack * FLATTEST
+            && match (self.steepness::<P>(ray, a), self.steepness::<P>(ray, b)) {
+                (Some((m, cos)), Some((n, _))) => {
+                    dot(&m, &n).abs() > PARALLEL && gap * cos <= slack
                 }
+                _ => false,
+            }
     }
 
     /// Calls `visit` with the distances at which the ray, without end, crosses the surface, in order, and
@@ -362,7 +385,7 @@ impl<E: Expression, const N: usize> Csg<E, N> {
             // Faces that coincide with the one that is left are left with it.
             while let Some(&it) = crossings.get(at)
                 && usize::from(it.leaf) != leaf
-                && self.is_within::<P>(&ray, it, it.t, slack(it.t))
+                && self.is_left::<P>(&ray, it, slack(it.t))
             {
                 inside ^= it.bit();
                 at += 1;
@@ -374,8 +397,7 @@ impl<E: Expression, const N: usize> Csg<E, N> {
             inside ^= crossing.bit();
             at += 1;
             while let Some(&it) = crossings.get(at)
-                && self.is_within::<P>(&ray, last, it.t - last.t, slack(it.t))
-                && self.is_within::<P>(&ray, it, it.t - last.t, slack(it.t))
+                && self.coincide::<P>(&ray, last, it, slack(it.t))
             {
                 inside ^= it.bit();
                 at += 1;
@@ -732,9 +754,10 @@ mod tests {
         );
         assert_eq!(all(Csg::<_, 4>(Intersection(left, right)), out, x).1, 0);
         assert_eq!(all(Csg::<_, 4>(Difference(left, right)), out, x).1, 2);
-        // A ray that only touches a leaf does not meet it.
+        // As without operators, a ray that touches a leaf meets it.
         let grazing = Ray::new(v(-5.0, 1.0, 0.0), x);
-        assert_eq!(meet(&Csg::<_, 4>(Union(left, right)), &grazing), None);
+        let touched = meet(&Csg::<_, 4>(Union(left, right)), &grazing);
+        assert_eq!(touched, Some((4.0, 0, true)));
         // A ray along a face of both, and in the plane where they touch.
         let pair = Csg::<_, 4>(Union(UNIT, die(v(-1.0, 1.0, -1.0), v(1.0, 2.0, 1.0))));
         assert_eq!(all(pair, v(-5.0, 1.0, 0.0), x).1, 2);

@@ -42,7 +42,7 @@
 //!
 //! - A ray meets what lies in the open interval `0 < t < t_max`; the nearest wins, and of equals the
 //!   first in geometry order (left of a pair, then slice order).
-//! - Touching a sphere, a frustum, a quadric or a box counts as a hit, but for [joined solids](csg). Of two polygons that share an edge, a ray
+//! - Touching a sphere, a frustum, a quadric or a box counts as a hit. Of two polygons that share an edge, a ray
 //!   through the edge meets exactly one.
 //! - A surface left by a ray is not met again at the point that it leaves, however the arithmetic
 //!   rounds: [`Ray::departure`] says which surface, and on which side.

@@ -19,13 +19,12 @@ mod pov;
 /// Every scene; the most pixels in which the renderer and the oracle may differ by more than a step of
 /// 255, all explained by rounding; and the least share of channels, in percent, that must lie within a
 /// step of POV-Ray's.
-const SCENES: [(&str, usize, f64); 6] = [
+const SCENES: [(&str, usize, f64); 5] = [
     ("quadrics", 10, 99.8),
     ("tori", 10, 99.8),
     ("panel", 10, 99.9),
     ("globe", 10, 98.0),
     ("instances", 10, 99.8),
-    ("solids", 10, 99.8),
 ];
 
 fn folder() -> PathBuf {

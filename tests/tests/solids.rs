@@ -174,8 +174,8 @@ fn joined_solids_are_met_where_their_leaves_say() {
             .collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         // What lies within rounding is up to the policy, and has tests of its own.
-        let gap = |pair: &[(f64, usize)]| pair[1].0 - pair[0].0;
-        if all.windows(2).any(|it| gap(it) < 1e-3) || all.first().is_some_and(|it| it.0 < 1e-3) {
+        let is_close = |it: &[(f64, usize)]| it[1].0 - it[0].0 < 1e-3 && it[0].1 != it[1].1;
+        if all.windows(2).any(is_close) || all.first().is_some_and(|it| it.0 < 1e-3) {
             close += 1;
             continue;
         }

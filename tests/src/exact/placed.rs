@@ -39,8 +39,8 @@ fn solve<N: Number>(
     along_line(d, f, determinant * N::new(radius))
 }
 
-/// Backward error of a distance, in u: by what relative change of the ray, the sphere and the numbers of the
-/// map's inverse the sphere would pass through the point.
+/// How far the point at a distance is off the sphere, in the sphere's space, in u of the greatest of its
+/// coordinates there and of the sums that make them.
 pub fn residual(ray: &Line, placement: &Placement, center: [f32; 3], radius: f32, t: f64) -> f64 {
     let [a, b, c] = placement.axes.map(wide);
     let cross = |p: [f64; 3], q: [f64; 3]| {
@@ -65,13 +65,13 @@ pub fn residual(ray: &Line, placement: &Placement, center: [f32; 3], radius: f32
     });
     let length = dot(local, local).sqrt();
     let radius = f64::from(radius).abs();
-    let reach: f64 = (0..3)
+    let reach = (0..3)
         .map(|i| {
             let size = |j: usize| o[j].abs() + place[j].abs() + (t * d[j]).abs();
             let moved: f64 = (0..3).map(|j| inverse[i][j].abs() * size(j)).sum();
-            (local[i] / length).abs() * (moved + center[i].abs())
+            moved + center[i].abs()
         })
-        .sum();
+        .fold(0.0, f64::max);
     (length - radius).abs() / (U * (reach + radius))
 }
 
