@@ -78,7 +78,7 @@ impl Ray {
 }
 
 /// Where a ray meets a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Hit<'a, M> {
     /// Distance from the ray's origin, in world units; above 0 and below the ray's `t_max`.
     pub t: f32,
@@ -93,6 +93,14 @@ pub struct Hit<'a, M> {
     /// The object's material.
     pub material: &'a M,
 }
+
+impl<M> Clone for Hit<'_, M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M> Copy for Hit<'_, M> {}
 
 impl<M> Hit<'_, M> {
     /// The side from which the ray came.

@@ -414,7 +414,7 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
 mod tests {
     use super::*;
     use crate::geometry::Object;
-    use crate::material::{Glass, Material, Mirror};
+    use crate::material::{Absorbing, Glass, Material, Mirror, Tinted};
     use crate::scene::Light;
     use crate::shape::plane::Plane;
     use crate::shape::sphere::Sphere;
@@ -537,6 +537,123 @@ mod tests {
             (tracer.counters.refracted, tracer.counters.reflected),
             (2, 0)
         );
+    }
+
+    fn water(tint: Vec3, absorption: Vec3) -> Material<(), (), Absorbing> {
+        Material {
+            color: Vec3::ONE,
+            ambient: 0.0,
+            diffuse: 0.0,
+            highlight: (),
+            reflection: (),
+            transmission: Absorbing {
+                tint,
+                ior: 1.0,
+                absorption,
+            },
+        }
+    }
+
+    /// Without rounding.
+    fn left(absorption: Vec3, distance: f64) -> Vec3 {
+        absorption.map(|rate| libm::exp(-f64::from(rate) * distance) as f32)
+    }
+
+    #[test]
+    fn glass_colors_what_is_seen_through_it_and_what_it_shades() {
+        let red = Material {
+            color: Vec3::ONE,
+            ambient: 0.0,
+            diffuse: 0.0,
+            highlight: (),
+            reflection: (),
+            transmission: Tinted {
+                tint: Vec3::new(1.0, 0.5, 0.25),
+                ior: 1.5,
+            },
+        };
+        let lens = [ball(&red)];
+        let scene = in_the_open(lens.as_slice());
+        let through = Vec3::new(1.0, 0.25, 0.0625);
+        let ray = Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z);
+        assert_eq!(Tracer::<5>::new().radiance(&scene, ray), through);
+        assert_eq!(lens.as_slice().transmittance(&ray), through);
+        // Total internal reflection keeps all channels.
+        let trapped = Ray::new(Vec3::new(0.9, 0.0, 0.0), Vec3::Y);
+        assert_eq!(Tracer::<6>::new().radiance(&scene, trapped), Vec3::ZERO);
+    }
+
+    #[test]
+    fn light_weakens_with_every_length_inside() {
+        let absorption = Vec3::new(0.5, 0.0, 2.0);
+        let deep = water(Vec3::ONE, absorption);
+        let balls = [ball(&deep)];
+        let geometry = balls.as_slice();
+        let close = |a: Vec3, b: Vec3| assert!((a - b).abs().max_element() < 1e-6, "{a} {b}");
+        let ray = Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z);
+        let scene = in_the_open(geometry);
+        close(
+            Tracer::<5>::new().radiance(&scene, ray),
+            left(absorption, 2.0),
+        );
+        close(geometry.transmittance(&ray), left(absorption, 2.0));
+        // A light, or a camera, within.
+        let ends = Ray { t_max: 3.5, ..ray };
+        close(geometry.transmittance(&ends), left(absorption, 0.5));
+        let within = Ray::new(Vec3::ZERO, Vec3::NEG_Z);
+        close(
+            Tracer::<5>::new().radiance(&scene, within),
+            left(absorption, 1.0),
+        );
+        close(geometry.transmittance(&within), left(absorption, 1.0));
+        let both = Ray {
+            t_max: 0.25,
+            ..within
+        };
+        close(geometry.transmittance(&both), left(absorption, 0.25));
+    }
+
+    #[test]
+    fn light_that_never_leaves_a_medium_is_absorbed_but_where_nothing_absorbs() {
+        let deep = water(Vec3::ONE, Vec3::new(1e-30, 0.0, f32::NAN));
+        let sea = [Object {
+            shape: Plane {
+                point: Vec3::ZERO,
+                normal: Vec3::Y,
+            },
+            material: &deep,
+        }];
+        let scene = in_the_open(sea.as_slice());
+        let down = Ray::new(Vec3::Y, Vec3::NEG_Y);
+        let expected = Vec3::new(0.0, 1.0, 1.0);
+        assert_eq!(Tracer::<5>::new().radiance(&scene, down), expected);
+        assert_eq!(sea.as_slice().transmittance(&down), expected);
+    }
+
+    #[test]
+    fn colored_shadows_do_not_depend_on_the_order_of_objects() {
+        let stuff = [
+            water(Vec3::new(0.9, 0.3, 0.77), Vec3::new(0.1, 0.7, 0.31)),
+            water(Vec3::new(0.51, 0.99, 0.2), Vec3::new(0.9, 0.0, 0.13)),
+        ];
+        let at = |z: f32, i: usize| Object {
+            shape: Sphere {
+                center: Vec3::new(0.3, 0.1, z),
+                radius: 1.0,
+            },
+            material: &stuff[i],
+        };
+        // Two of them overlap.
+        let mut balls = [at(0.0, 0), at(-1.5, 1), at(-5.0, 0), at(-9.0, 1)];
+        let ray = Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z);
+        let forward = balls.as_slice().transmittance(&ray);
+        balls.reverse();
+        assert_eq!(balls.as_slice().transmittance(&ray), forward);
+        assert!(forward.min_element() > 0.0);
+        let opaque = water(Vec3::ZERO, Vec3::ONE);
+        let wall = [ball(&opaque)];
+        let pair = (balls.as_slice(), wall.as_slice());
+        assert_eq!(pair.transmittance(&ray), Vec3::ZERO);
     }
 
     #[test]

@@ -10,9 +10,11 @@ use std::fmt::Write;
 use std::mem::size_of;
 use std::path::Path;
 
+use embedded_graphics::pixelcolor::RgbColor;
 use whitted::hierarchy::{Child, Node};
 use whitted::{Camera, Closed, Csg, Light, Object, Placement, View};
 
+use crate::paint::{Paint, Sheet};
 use crate::scene::{self, HostGeometry, HostScene, Material};
 use crate::scene_file::Step;
 use crate::whole::{HostSolid, Leaf, Placed, Tree, each_leaf};
@@ -141,6 +143,7 @@ struct Baker {
     /// Different ones, as source.
     materials: Vec<String>,
     known_materials: HashMap<String, usize>,
+    images: Vec<Sheet>,
     /// What hierarchies are made of.
     bounds: BTreeSet<&'static str>,
     /// The longest path through any tree; 0 without trees.
@@ -166,7 +169,11 @@ impl Baker {
 
     /// The material's place among the different ones.
     fn material(&mut self, material: &Material) -> usize {
-        let source = self.terms.source(material);
+        let image = match &material.color {
+            Paint::Image { sheet, .. } => Some(self.image(sheet)),
+            _ => None,
+        };
+        let source = self.terms.source(material, image.as_deref());
         let next = self.materials.len();
         match self.known_materials.entry(source) {
             Entry::Occupied(known) => *known.get(),
@@ -175,6 +182,57 @@ impl Baker {
                 *new.insert(next)
             }
         }
+    }
+
+    /// Adds an image, unless it is there, and tells its name.
+    fn image(&mut self, sheet: &Sheet) -> String {
+        if let Some(known) = self.images.iter().position(|it| it == sheet) {
+            return format!("IMAGE_{known}");
+        }
+        let number = self.images.len();
+        self.images.push(sheet.clone());
+        let array = format!("PIXELS_{number}");
+        let (kind, value) = match sheet {
+            Sheet::Palette {
+                width,
+                height,
+                texels,
+                palette,
+            } => {
+                let colors = palette.iter().map(|it| {
+                    let (red, green, blue) = (it.r(), it.g(), it.b());
+                    format!("Rgb888::new({red}, {green}, {blue})")
+                });
+                let (colors, name) = (colors.collect::<Vec<_>>(), format!("COLORS_{number}"));
+                self.array(&name, "Rgb888", colors.len(), 3 * colors.len(), &colors);
+                let texels: Vec<u32> = texels.iter().map(|&it| it.into()).collect();
+                self.numbers(&array, ("u8", 1), &texels);
+                let size = format!("width: {width}, height: {height}");
+                let value = format!("Texture {{ {size}, texels: &{array}, palette: &{name} }}");
+                ("Texture<'static, Rgb888>", value)
+            }
+            Sheet::High {
+                width,
+                height,
+                pixels,
+            } => {
+                let colors = pixels.iter().map(|it| {
+                    let (red, green, blue) = (it.r(), it.g(), it.b());
+                    format!("Rgb565::new({red}, {green}, {blue})")
+                });
+                let colors: Vec<_> = colors.collect();
+                self.array(&array, "Rgb565", colors.len(), 2 * colors.len(), &colors);
+                let size = format!("width: {width}, height: {height}");
+                let value = format!("HighColor {{ {size}, pixels: &{array} }}");
+                ("HighColor<'static>", value)
+            }
+        };
+        let name = format!("IMAGE_{number}");
+        lines!(self.items, "\n#[rustfmt::skip]");
+        lines!(self.items, "static {name}: {kind} = {value};");
+        let pointers = if kind == "HighColor<'static>" { 2 } else { 4 };
+        self.bytes.push((name.clone(), WORD + pointers * WORD));
+        name
     }
 
     /// Adds an array of `count` elements, which may share lines.
@@ -468,12 +526,7 @@ impl Baker {
     /// Adds the materials that objects have named.
     fn materials(&mut self) {
         self.import(&["Material"]);
-        let terms = [
-            self.terms.highlight(),
-            self.terms.reflection(),
-            self.terms.transmission(),
-        ];
-        self.imports.extend(terms.into_iter().flatten());
+        self.imports.extend(self.terms.imports());
         let materials = std::mem::take(&mut self.materials);
         if !materials.is_empty() {
             let bytes = materials.len() * self.terms.bytes();
@@ -631,6 +684,7 @@ impl Baker {
             lines!(text, "type {} = {};", part.name, part.definition);
         }
         text.push_str(VECTOR_HELPER);
+        text.push_str(&self.terms.paint().unwrap_or_default());
         if self.tree_depth > 0 {
             lines!(text, "\n/// Most nodes on the way to an object.");
             lines!(text, "const TREE_DEPTH: usize = {};", self.tree_depth);

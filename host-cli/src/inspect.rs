@@ -7,10 +7,11 @@ use std::mem::size_of;
 use serde::Serialize;
 use whitted::area::{Disk, Outline, Rect};
 use whitted::{
-    AreaLight, Cuboid, Frustum, Glass, Light, Mirror, Patch, Phong, Placement, Plane, Quadric,
-    Sphere, Torus, Triangle, Vec3,
+    Absorbing, AreaLight, Checker, Cuboid, Frustum, Glass, Light, Mirror, Patch, Phong, Placement,
+    Plane, Quadric, Sphere, Stripes, Tinted, Torus, Triangle, Vec3,
 };
 
+use crate::paint::Paint;
 use crate::scene::{HostScene, Material, Pool};
 use crate::scene_file::{Extent, Object, Place, SceneFile, Shape, Solid};
 
@@ -75,6 +76,16 @@ pub struct Materials {
     pub reflecting: usize,
     /// Glass.
     pub refracting: usize,
+    /// Glass that colors what passes its surface or its inside.
+    pub tinting: usize,
+    /// Glass in which light weakens.
+    pub absorbing: usize,
+    /// With a checker for a color.
+    pub checkered: usize,
+    /// With stripes.
+    pub striped: usize,
+    /// With an image.
+    pub with_images: usize,
 }
 
 /// How long chains of rays get.
@@ -182,7 +193,12 @@ fn count_materials(materials: &[Material]) -> Materials {
             it.highlight.specular > 0.0 && it.highlight.shininess.fract() != 0.0
         }),
         reflecting: count(|it| it.reflection.reflectance > 0.0),
-        refracting: count(|it| it.transmission.transmittance > 0.0),
+        refracting: count(|it| it.transmission.tint.max_element() > 0.0),
+        tinting: count(|it| it.transmission.tint != Vec3::splat(it.transmission.tint.x)),
+        absorbing: count(|it| it.transmission.absorption != Vec3::ZERO),
+        checkered: count(|it| matches!(it.color, Paint::Checker(_))),
+        striped: count(|it| matches!(it.color, Paint::Stripes(_))),
+        with_images: count(|it| matches!(it.color, Paint::Image { .. })),
     }
 }
 
@@ -221,8 +237,18 @@ fn features(
         features.push("Mirror");
     }
     if materials.refracting > 0 {
-        features.push("Glass");
+        features.push(match (materials.absorbing, materials.tinting) {
+            (0, 0) => "Glass",
+            (0, _) => "Tinted",
+            _ => "Absorbing",
+        });
     }
+    let patterns = [
+        ("Checker", materials.checkered),
+        ("Stripes", materials.striped),
+        ("ImageMap", materials.with_images),
+    ];
+    features.extend(patterns.iter().filter(|it| it.1 > 0).map(|it| it.0));
     if lights.rects + lights.disks > 0 {
         features.push("AreaLight");
     } else if lights.with_shadows > 0 {
@@ -278,7 +304,27 @@ fn bytes(
         material += size_of::<Mirror>();
     }
     if materials.refracting > 0 {
-        material += size_of::<Glass>();
+        material += match (materials.absorbing, materials.tinting) {
+            (0, 0) => size_of::<Glass>(),
+            (0, _) => size_of::<Tinted>(),
+            _ => size_of::<Absorbing>(),
+        };
+    }
+    let kinds = [
+        (materials.checkered, size_of::<Checker>()),
+        (materials.striped, size_of::<Stripes>()),
+        // A pointer, and how often; its pixels are `whitted bake`'s to count.
+        (materials.with_images, POINTER + 2 * size_of::<f32>()),
+    ];
+    let varying: usize = kinds.iter().map(|it| it.0).sum();
+    if varying > 0 {
+        let named = kinds.iter().filter(|it| it.0 > 0);
+        let is_mixed = varying < materials.all || named.clone().count() > 1;
+        let most = named.map(|it| it.1).max().unwrap_or_default();
+        // Of several kinds, a word tells which.
+        material += if is_mixed { POINTER } else { 0 };
+        material += most.max(if varying < materials.all { VECTOR } else { 0 });
+        material -= VECTOR;
     }
     let materials = materials.all * material;
     let light = match (lights.rects, lights.disks) {
@@ -659,7 +705,12 @@ mod tests {
                 shining: 1,
                 with_real_exponents: 1,
                 reflecting: 1,
-                refracting: 0
+                refracting: 0,
+                tinting: 0,
+                absorbing: 0,
+                checkered: 0,
+                striped: 0,
+                with_images: 0,
             }
         );
         assert_eq!(

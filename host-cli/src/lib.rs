@@ -13,6 +13,7 @@ pub mod hierarchy;
 pub mod inspect;
 pub mod map;
 pub mod output;
+pub mod paint;
 pub mod picture;
 pub mod render;
 pub mod scene;

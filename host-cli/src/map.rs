@@ -11,9 +11,11 @@ use whitted::{Camera, Counters, Exact, Grid, Maze, Scene, Tracer, View};
 
 use crate::render::Settings;
 use crate::scene::{self, Light, Material};
+use crate::scene_file::Scale;
 use crate::scene_file::limits;
-use crate::scene_file::map::{Bitmap, MapFile, SPRITES};
-use crate::scene_file::{Scale, SceneError, proportions};
+use crate::scene_file::map::{MapFile, SPRITES};
+use crate::scene_file::texture::Bitmap;
+use crate::scene_file::{SceneError, proportions};
 
 /// A map's colors, materials and lights.
 pub struct HostMap<'a> {
@@ -36,10 +38,10 @@ impl<'a> HostMap<'a> {
             walls: file
                 .walls
                 .iter()
-                .map(|it| scene::material(&it.material))
+                .map(|it| scene::material(&it.material, Scale::default()))
                 .collect(),
-            floor: scene::material(&file.floor),
-            ceiling: file.ceiling.as_ref().map(scene::material),
+            floor: scene::material(&file.floor, Scale::default()),
+            ceiling: (file.ceiling.as_ref()).map(|it| scene::material(it, Scale::default())),
             lights: file
                 .lights
                 .iter()

@@ -8,10 +8,10 @@ use glam::Vec3;
 use rayon::prelude::*;
 use whitted::antialiasing::{Adaptive, magnified, share, shown};
 use whitted::picture::{quantize, to_rgb8};
-use whitted::{Counters, Exact, Geometry, Scene, Tracer, View};
+use whitted::{Counters, Exact, Geometry, Object, Scene, Tracer, View};
 
 use crate::picture::Transfer;
-use crate::scene::{AnyScene, HostScene, Light, Material};
+use crate::scene::{AnyScene, HostScene, Light, Material, is_simple};
 use crate::scene_file::limits;
 use crate::wide::Wide;
 use crate::wide::lockstep::{self, HEIGHT, Job};
@@ -220,7 +220,16 @@ pub fn render_whole<E>(
 
 /// Whether the scene has something that only [`Tracer`] does.
 fn needs_tracer(scene: &AnyScene<'_>) -> bool {
-    scene.lights.iter().any(|it| it.area.is_some())
+    fn all_simple<S>(objects: &[Object<'_, S, Material>]) -> bool {
+        objects.iter().all(|it| is_simple(it.material))
+    }
+    let (spheres, (planes, (polygons, (triangles, (patches, (cuboids, curved)))))) = scene.geometry;
+    let (frusta, (quadrics, tori)) = curved;
+    let flat = all_simple(planes) && all_simple(polygons) && all_simple(triangles);
+    let round = all_simple(spheres) && all_simple(quadrics) && all_simple(tori);
+    let others = all_simple(patches) && all_simple(cuboids) && all_simple(frusta);
+    let is_soft = scene.lights.iter().any(|it| it.area.is_some());
+    is_soft || !(flat && round && others)
 }
 
 /// Renders rows as [`lockstep::rows`] does, with the same bits, by [`Tracer`] itself: each ray alone.

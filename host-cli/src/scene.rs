@@ -9,10 +9,11 @@ use glam::Vec3;
 use whitted::area::{Disk, Outline, Rect, Samples};
 use whitted::scene::Quantity;
 use whitted::{
-    AreaLight, Camera, Csg, Cuboid, Frustum, Glass, LightSource, Math, Mirror, Object, Patch,
+    Absorbing, AreaLight, Camera, Csg, Cuboid, Frustum, LightSource, Math, Mirror, Object, Patch,
     PhongReal, Placement, Plane, Polygon, Quadric, Ray, Scene, Sphere, Torus, Triangle, View,
 };
 
+use crate::paint::Paint;
 use crate::scene_file::{
     self, Extent, Lens, Place, Problem, Scale, SceneError, SceneFile, Shape, Solid, at, direction,
     proportions,
@@ -21,7 +22,7 @@ use crate::whole::{HostSolid, Leaf, Placed, Solids, Tree, Whole};
 use crate::wide;
 
 /// A material that can do everything.
-pub type Material = whitted::Material<PhongReal, Mirror, Glass>;
+pub type Material = whitted::Material<PhongReal, Mirror, Absorbing, Paint>;
 
 /// All objects of one kind.
 pub type Kind<'a, S> = &'a [Object<'a, S, Material>];
@@ -127,7 +128,8 @@ impl Pool {
             ends: Vec::new(),
         };
         let mut known = HashMap::new();
-        for material in file.materials.iter().map(material) {
+        for material in &file.materials {
+            let material = self::material(material, scale);
             let index = *known.entry(bits(&material)).or_insert_with(|| {
                 pool.materials.push(material);
                 pool.materials.len() - 1
@@ -150,9 +152,10 @@ impl Pool {
     }
 }
 
-pub(crate) fn material(file: &scene_file::Material) -> Material {
+pub(crate) fn material(file: &scene_file::Material, scale: Scale) -> Material {
+    let tint = file.filter.map(|it| it as f32 * file.transmittance as f32);
     Material {
-        color: color(file.color),
+        color: Paint::new(file, scale),
         ambient: file.ambient as f32,
         diffuse: file.diffuse as f32,
         highlight: PhongReal {
@@ -162,33 +165,53 @@ pub(crate) fn material(file: &scene_file::Material) -> Material {
         reflection: Mirror {
             reflectance: file.reflectance as f32,
         },
-        transmission: Glass {
-            transmittance: file.transmittance as f32,
+        transmission: Absorbing {
+            tint: Vec3::from_array(tint),
             ior: file.ior as f32,
+            absorption: Vec3::from_array(file.absorption.map(|it| scale.per_length(it))),
         },
     }
 }
 
-fn color(rgb: [f64; 3]) -> Vec3 {
+pub(crate) fn color(rgb: [f64; 3]) -> Vec3 {
     Vec3::from_array(rgb.map(|it| it as f32))
 }
 
 /// All of a material, as something to compare and to hash.
-fn bits(material: &Material) -> [u32; 10] {
-    let [r, g, b] = material.color.to_array();
-    [
-        r,
-        g,
-        b,
+fn bits(material: &Material) -> Vec<u32> {
+    let Absorbing {
+        tint,
+        ior,
+        absorption,
+    } = material.transmission;
+    let [red, green, blue] = tint.to_array();
+    let [a, b, c] = absorption.to_array();
+    let numbers = [
         material.ambient,
         material.diffuse,
         material.highlight.specular,
         material.highlight.shininess,
         material.reflection.reflectance,
-        material.transmission.transmittance,
-        material.transmission.ior,
-    ]
-    .map(f32::to_bits)
+        red,
+        green,
+        blue,
+        ior,
+        a,
+        b,
+        c,
+    ];
+    let mut bits = material.color.bits();
+    bits.extend(numbers.map(f32::to_bits));
+    bits
+}
+
+/// Whether vectors do all that materials like this ask for.
+pub fn is_simple(material: &Material) -> bool {
+    let Absorbing {
+        tint, absorption, ..
+    } = material.transmission;
+    let is_gray = tint == Vec3::splat(tint.x) || tint.is_nan();
+    material.color.plain().is_some() && is_gray && absorption == Vec3::ZERO
 }
 
 /// A scene file's objects, lights and camera, at the [scale](Scale) at which they are cast.
@@ -415,6 +438,12 @@ impl<'a> Content<'a> {
         for object in objects {
             let material = &pool.materials[pool.material_of[object.material]];
             let place = object.place;
+            let flat = matches!(object.shape, Shape::Plane { .. } | Shape::Polygon { .. });
+            if scale.exponent != 0 && flat && matches!(material.color, Paint::Image { .. }) {
+                let problem = "an image on a plane or a polygon counts lengths: they must lie \
+                               between 2^-16 and 2^16";
+                return Err((place, Problem::Contradiction(problem)));
+            }
             let kind = match object.shape {
                 Shape::Sphere { center, radius } => {
                     let shape = Sphere::new(scale.point(center), scale.length(radius))

@@ -8,6 +8,7 @@
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use whitted::area::Samples;
 
@@ -18,6 +19,7 @@ pub mod nff;
 mod quadric;
 mod scale;
 mod solid;
+pub mod texture;
 pub mod toml;
 
 pub(crate) use error::{Located, at};
@@ -25,6 +27,7 @@ pub use error::{Place, Problem, SceneError};
 pub use quadric::{General, Quadric};
 pub use scale::{Scale, direction, proportions};
 pub use solid::{Group, Instance, Solid, Step};
+use texture::Texture;
 
 /// A scene as a file describes it. Lengths share one unit of the file's choice; colours are linear.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,8 +163,10 @@ pub struct Material {
     pub place: Place,
     /// The file's name for it; `f1`, `f2`, … in NFF, which has none.
     pub name: String,
-    /// Linear RGB.
+    /// Linear RGB; white where there is a pattern.
     pub color: [f64; 3],
+    /// What takes the color's place, where it is not the same everywhere.
+    pub pattern: Option<Pattern>,
     /// Share of the ambient light given back.
     pub ambient: f64,
     /// Share of a light that is scattered evenly.
@@ -176,6 +181,40 @@ pub struct Material {
     pub transmittance: f64,
     /// Index of refraction inside over outside; above 0, and 1 where nothing is transmitted.
     pub ior: f64,
+    /// What passes the surface is multiplied by this, beside the transmittance; from 0 to 1 each.
+    pub filter: [f64; 3],
+    /// How fast light weakens inside, over a length of the file's unit.
+    pub absorption: [f64; 3],
+}
+
+/// A color that changes along a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pattern {
+    /// Cubes of two colors.
+    Checker {
+        /// Linear RGB; the first from the origin to (`size`, `size`, `size`).
+        colors: [[f64; 3]; 2],
+        /// Of a cube.
+        size: f64,
+    },
+    /// Layers of two colors.
+    Stripes {
+        /// Linear RGB; the first from the origin on.
+        colors: [[f64; 3]; 2],
+        /// Across the layers, of any length.
+        direction: [f64; 3],
+        /// Of a layer.
+        size: f64,
+    },
+    /// A picture.
+    Image {
+        /// The picture.
+        texture: Arc<Texture>,
+        /// How many copies there are in a unit of the surface's coordinates.
+        repeat: [f64; 2],
+        /// Whether pixels are blended.
+        blend: bool,
+    },
 }
 
 /// A shape made of a material.

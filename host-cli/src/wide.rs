@@ -356,6 +356,11 @@ impl<M: Finish> Geometry for Wide<'_, M> {
     }
 
     #[inline]
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        self.parts.kinds.uv(point, object, first)
+    }
+
+    #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
         if !self.takes::<P>(ray) {
             return self.parts.kinds.blocks::<P>(ray, first, among);

@@ -8,6 +8,7 @@
 
 mod area;
 mod hierarchy;
+mod pattern;
 mod quadric;
 mod scene_file;
 mod shape;
@@ -19,6 +20,7 @@ use rayon::prelude::*;
 
 pub use area::{Area, Extent};
 use hierarchy::Hierarchy;
+pub use pattern::Pattern;
 pub use quadric::Quadric;
 pub use shape::Shape;
 pub(crate) use torus::roots as torus_roots;
@@ -70,10 +72,12 @@ pub struct Object {
 }
 
 /// The coefficients of Whitted's formula for one surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Finish {
     /// Linear RGB.
     pub color: DVec3,
+    /// What takes its place.
+    pub pattern: Option<Pattern>,
     /// Share of the ambient light that is given back.
     pub ambient: f64,
     /// Lambert's coefficient.
@@ -88,6 +92,10 @@ pub struct Finish {
     pub transmittance: f64,
     /// Refractive index of the inside; 1 outside.
     pub ior: f64,
+    /// What colors light that passes the surface.
+    pub filter: DVec3,
+    /// How fast light weakens inside: `e^(-absorption·distance)` is left.
+    pub absorption: DVec3,
 }
 
 /// What the tracer is asked to do.
@@ -128,6 +136,8 @@ struct Ray {
     /// Unit length.
     direction: DVec3,
     leaves: Option<usize>,
+    /// How what it goes through absorbs, as far as the surface that it leaves tells.
+    absorption: DVec3,
 }
 
 impl Camera {
@@ -179,6 +189,7 @@ impl Scene {
             origin: self.camera.eye,
             direction,
             leaves: None,
+            absorption: DVec3::ZERO,
         };
         self.radiance(ray, 1, options)
     }
@@ -189,7 +200,7 @@ impl Scene {
             return DVec3::ZERO;
         }
         let Some((index, t)) = self.nearest(ray) else {
-            return self.background;
+            return left(ray.absorption, f64::INFINITY) * self.background;
         };
         let Object { shape, finish } = &self.objects[index];
         let point = ray.origin + t * ray.direction;
@@ -197,43 +208,65 @@ impl Scene {
         let front = ray.direction.dot(outward) < 0.0;
         let normal = if front { outward } else { -outward };
         let point = point + options.lift * point.abs().max_element() * normal;
-        let child = |direction| Ray {
+        let child = |direction: DVec3| Ray {
             origin: point,
             direction,
             leaves: Some(index),
+            absorption: if direction.dot(outward) < 0.0 {
+                finish.absorption
+            } else {
+                DVec3::ZERO
+            },
+        };
+        let medium = if ray.absorption == DVec3::ZERO && !front {
+            finish.absorption
+        } else {
+            ray.absorption
+        };
+        let plain = match &finish.pattern {
+            Some(pattern) => pattern.color(shape, point, outward),
+            None => finish.color,
         };
 
-        let mut color = finish.color * finish.ambient * self.ambient;
+        let mut color = plain * finish.ambient * self.ambient;
         for light in &self.lights {
-            color += self.reflected_light(light, child(ray.direction), normal, finish);
+            color += self.reflected_light(light, child(ray.direction), normal, plain, finish);
         }
 
-        let mut mirror = finish.mirror;
+        let mut mirror = DVec3::splat(finish.mirror);
+        let tint = finish.transmittance * finish.filter;
         if finish.transmittance > 0.0 {
             let eta = if front { 1.0 / finish.ior } else { finish.ior };
             match refract(ray.direction, normal, eta) {
                 Some(direction) => {
                     let transmitted = self.radiance(child(direction), depth + 1, options);
-                    color += finish.transmittance * transmitted;
+                    color += tint * transmitted;
                 }
                 None => {
                     mirror = match options.total_reflection {
-                        TotalReflection::KeepsEnergy => mirror + finish.transmittance,
-                        TotalReflection::IsPerfect => 1.0,
+                        TotalReflection::KeepsEnergy => mirror + tint,
+                        TotalReflection::IsPerfect => DVec3::ONE,
                     }
                 }
             }
         }
-        if mirror > 0.0 {
+        if mirror.max_element() > 0.0 {
             let direction = reflect(ray.direction, normal);
             color += mirror * self.radiance(child(direction), depth + 1, options);
         }
-        color
+        left(medium, t) * color
     }
 
     /// What a surface sends back of one light, diffuse and as a highlight. `ray` starts at the
     /// surface and goes on where the viewer looked.
-    fn reflected_light(&self, light: &Light, ray: Ray, normal: DVec3, finish: &Finish) -> DVec3 {
+    fn reflected_light(
+        &self,
+        light: &Light,
+        ray: Ray,
+        normal: DVec3,
+        color: DVec3,
+        finish: &Finish,
+    ) -> DVec3 {
         let distance = ray.origin.distance(light.position);
         let to_light = (light.position - ray.origin) / distance;
         let cosine = normal.dot(to_light);
@@ -248,13 +281,13 @@ impl Scene {
         let passed = match (light.shadows, &light.area) {
             (true, None) => self.transmittance(shadow, distance),
             (true, Some(area)) => self.seen_share(light.position, area, shadow, normal),
-            (false, _) => 1.0,
+            (false, _) => DVec3::ONE,
         };
         let highlight = reflect(ray.direction, normal)
             .dot(to_light)
             .max(0.0)
             .powf(finish.shininess);
-        let diffuse = finish.color * finish.diffuse * cosine;
+        let diffuse = color * finish.diffuse * cosine;
         passed * light.color * (diffuse + finish.specular * highlight)
     }
 
@@ -273,18 +306,53 @@ impl Scene {
         (best.1 < f64::INFINITY).then_some(best)
     }
 
-    /// Share of light that passes every surface within `distance`: T for each that it crosses.
-    fn transmittance(&self, ray: Ray, distance: f64) -> f64 {
-        let mut passed = 1.0;
+    /// Share of light that passes every surface within `distance`: T for each that it crosses; and what
+    /// is not absorbed in between.
+    fn transmittance(&self, ray: Ray, distance: f64) -> DVec3 {
+        let mut passed = DVec3::ONE;
         self.hierarchy
             .visit(ray.origin, ray.direction, &mut |index| {
                 let between = |t: &f64| 0.0 < *t && *t < distance;
+                let finish = &self.objects[index].finish;
                 for _ in self.crossings(index, ray).filter(between) {
-                    passed *= self.objects[index].finish.transmittance;
+                    passed *= finish.transmittance * finish.filter;
                 }
-                if passed == 0.0 { 0.0 } else { distance }
+                if finish.absorption != DVec3::ZERO {
+                    passed *= left(finish.absorption, self.inside(index, ray, distance));
+                }
+                if passed == DVec3::ZERO { 0.0 } else { distance }
             });
         passed
+    }
+
+    /// How much of the way to `distance` lies in a solid: what comes before each point where the ray
+    /// leaves it, back to where it enters.
+    fn inside(&self, index: usize, ray: Ray, distance: f64) -> f64 {
+        let shape = &self.objects[index].shape;
+        if !shape.is_solid() {
+            return 0.0;
+        }
+        let mut ahead: Vec<_> = self.crossings(index, ray).filter(|&t| t > 0.0).collect();
+        ahead.sort_by(f64::total_cmp);
+        let leaves = |t| {
+            shape
+                .normal(ray.origin, ray.direction, t)
+                .dot(ray.direction)
+                > 0.0
+        };
+        let mut sum = 0.0;
+        let mut entry = 0.0_f64;
+        let mut is_inside = match ahead.first() {
+            Some(&first) => leaves(first),
+            None => shape.is_beyond(ray.origin, ray.direction, ray.leaves == Some(index)),
+        };
+        for t in ahead.into_iter().chain([f64::INFINITY]) {
+            if is_inside {
+                sum += t.min(distance) - entry.min(distance);
+            }
+            (entry, is_inside) = (t, !is_inside);
+        }
+        sum
     }
 
     fn crossings(&self, index: usize, ray: Ray) -> impl Iterator<Item = f64> {
@@ -293,6 +361,19 @@ impl Scene {
             .shape
             .crossings(ray.origin, ray.direction, leaving)
     }
+}
+
+/// What is left of light after a distance, by Beer's law.
+fn left(absorption: DVec3, distance: f64) -> DVec3 {
+    // Nothing is absorbed over an infinite distance either where nothing absorbs.
+    let channel = |rate: f64| {
+        if rate > 0.0 {
+            (-rate * distance).exp()
+        } else {
+            1.0
+        }
+    };
+    DVec3::from_array(absorption.to_array().map(channel))
 }
 
 /// The direction after a mirror; all unit length.
@@ -330,6 +411,9 @@ mod tests {
         mirror: 0.0,
         transmittance: 0.5,
         ior: 1.5,
+        pattern: None,
+        filter: DVec3::ONE,
+        absorption: DVec3::ZERO,
     };
     const CHALK: Finish = Finish {
         diffuse: 1.0,
@@ -387,6 +471,7 @@ mod tests {
                     origin,
                     direction,
                     leaves: None,
+                    absorption: DVec3::ZERO,
                 },
                 1,
                 options,
@@ -452,6 +537,36 @@ mod tests {
     }
 
     #[test]
+    fn light_weakens_with_every_length_inside() {
+        // A ball of water, 2 across: a ray through its middle, and a light in it and beyond it.
+        let absorption = DVec3::new(0.5, 0.0, 1.0);
+        let water = Finish {
+            transmittance: 1.0,
+            ior: 1.0,
+            absorption,
+            ..CLEAR
+        };
+        let ball = ball(0.0, 0.0, -5.0, water);
+        let scene = scene(vec![ball, wall(-8.0, CHALK)], &[]);
+        let seen = scene.seen(DVec3::NEG_Z, Options::default());
+        let expected = scene.background * DVec3::new((-1.0f64).exp(), 1.0, (-2.0f64).exp());
+        assert!(seen.distance(expected) < 1e-15, "{seen}");
+        let shadow = |y: f64| {
+            let ray = Ray {
+                origin: DVec3::new(0.0, -8.0, -5.0),
+                direction: DVec3::Y,
+                leaves: Some(1),
+                absorption: DVec3::ZERO,
+            };
+            scene.transmittance(ray, y + 8.0)
+        };
+        let expected = |distance: f64| left(absorption, distance);
+        assert!(shadow(0.5).distance(expected(1.5)) < 1e-15);
+        assert!(shadow(3.0).distance(expected(2.0)) < 1e-15);
+        assert_eq!(shadow(-2.0), DVec3::ONE);
+    }
+
+    #[test]
     fn two_mirrors_add_a_series() {
         let silver = Finish {
             ambient: 0.125,
@@ -459,7 +574,7 @@ mod tests {
             transmittance: 0.0,
             ..CLEAR
         };
-        let hall = scene(vec![wall(0.0, silver), wall(1.0, silver)], &[]);
+        let hall = scene(vec![wall(0.0, silver.clone()), wall(1.0, silver)], &[]);
         let up = radiance(&hall, DVec3::Y * 0.5, DVec3::Y, Options::default());
         assert_eq!(up, 0.242_187_5);
     }

@@ -142,6 +142,9 @@ fn every_target_draws_what_the_host_draws() {
         "tiny",
         "outside",
         "maze",
+        "patterns",
+        "texture",
+        "tinted-glass",
     ];
     let frames = expected()
         .iter()
@@ -539,6 +542,9 @@ const FEATURES: &[Feature] = &[
                 "csg",
                 "soft",
                 "smooth",
+                "patterns",
+                "texture",
+                "tinted-glass",
             ];
             is_on_or_above(program, "floor") || is_one_of(program, &others)
         },
@@ -560,6 +566,8 @@ const FEATURES: &[Feature] = &[
                 "csg",
                 "soft",
                 "smooth",
+                "patterns",
+                "texture",
             ];
             is_on_or_above(program, "shadows") && !is_on_or_above(program, "glass")
                 || is_one_of(program, &opaque)
@@ -584,6 +592,9 @@ const FEATURES: &[Feature] = &[
                 "csg",
                 "soft",
                 "smooth",
+                "patterns",
+                "texture",
+                "tinted-glass",
             ];
             is_on_or_above(program, "highlight") && program != "everything"
                 || is_one_of(program, &others)
@@ -648,6 +659,7 @@ const FEATURES: &[Feature] = &[
                 "tiny",
                 "outside",
                 "maze",
+                "tinted-glass",
             ];
             is_on_or_above(program, "mirrors") || is_one_of(program, &others)
         },
@@ -662,9 +674,33 @@ const FEATURES: &[Feature] = &[
             ),
         ],
         named_by: |program| {
-            let others = ["spheres-and-plane", "six-spheres", "tiny"];
+            let others = ["spheres-and-plane", "six-spheres", "tiny", "tinted-glass"];
             is_on_or_above(program, "glass") || is_one_of(program, &others)
         },
+    },
+    Feature {
+        name: "glass that colors light",
+        bodies: &[body(
+            "core/src/math.rs",
+            &["impl Passage for Transmittances", "fn pass("],
+        )],
+        named_by: |program| program == "tinted-glass",
+    },
+    Feature {
+        name: "checkers",
+        bodies: &[body(
+            "core/src/pattern.rs",
+            &["impl Varying for Checker", "fn at("],
+        )],
+        named_by: |program| program == "patterns",
+    },
+    Feature {
+        name: "images",
+        bodies: &[body(
+            "core/src/pattern.rs",
+            &["impl Filter for Bilinear", "fn sample("],
+        )],
+        named_by: |program| program == "texture",
     },
     Feature {
         name: "maps",

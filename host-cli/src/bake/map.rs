@@ -11,7 +11,8 @@ use super::source::{VECTOR, WORD, number, vector};
 use super::{Baker, Module, VECTOR_HELPER, view_source};
 use crate::map::HostMap;
 use crate::scene::Material;
-use crate::scene_file::map::{Bitmap, Sprite};
+use crate::scene_file::map::Sprite;
+use crate::scene_file::texture::Bitmap;
 
 /// Writes a map as Rust source, both to be drawn by columns and to be traced, with the camera and the
 /// size of a view. Colors of columns are 16 bits, 5-6-5.
@@ -61,19 +62,16 @@ pub fn bake_map(map: &HostMap<'_>, view: &View) -> Module {
     let kind = "Sprite<'static, Rgb565>";
     baker.array("SPRITES", kind, sprites.len(), bytes, &sprites);
 
-    let sources: Vec<_> = all.iter().map(|it| baker.terms.source(it)).collect();
+    let sources: Vec<_> = (all.iter())
+        .map(|it| baker.terms.source(it, None))
+        .collect();
     let bytes = sources.len() * baker.terms.bytes();
     baker.array("MATERIALS", "SceneMaterial", sources.len(), bytes, &sources);
     baker.lights(scene.lights);
     baker.import(&[
         "Camera", "Grid", "Material", "Maze", "Scene", "Vec3", "View",
     ]);
-    let terms = [
-        baker.terms.highlight(),
-        baker.terms.reflection(),
-        baker.terms.transmission(),
-    ];
-    baker.imports.extend(terms.into_iter().flatten());
+    baker.imports.extend(baker.terms.imports());
 
     let depth = if baker.terms.reflects || baker.terms.transmits {
         file.depth

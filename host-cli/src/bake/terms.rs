@@ -2,10 +2,13 @@
 
 use std::mem::size_of;
 
-use whitted::{Glass, Mirror, Object, Phong};
+use std::collections::BTreeSet;
 
-use super::source::{number, vector};
-use crate::scene::Material;
+use whitted::{Absorbing, Checker, Glass, Mirror, Object, Phong, Stripes, Tinted, Vec3};
+
+use super::source::{WORD, number, vector};
+use crate::paint::{Paint, Sheet};
+use crate::scene::{Material, is_simple};
 
 /// The terms that the materials of the objects have.
 #[derive(Default)]
@@ -14,6 +17,107 @@ pub struct Terms {
     has_real_exponents: bool,
     pub reflects: bool,
     pub transmits: bool,
+    tints: bool,
+    absorbs: bool,
+    colors: BTreeSet<ColorKind>,
+}
+
+/// What colors can be in the source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ColorKind {
+    Plain,
+    Checker,
+    Stripes,
+    Image { high: bool, blend: bool },
+}
+
+impl ColorKind {
+    fn of(paint: &Paint) -> Self {
+        match paint {
+            Paint::Plain(_) => Self::Plain,
+            Paint::Checker(_) => Self::Checker,
+            Paint::Stripes(_) => Self::Stripes,
+            Paint::Image { sheet, blend, .. } => Self::Image {
+                high: matches!(**sheet, Sheet::High { .. }),
+                blend: *blend,
+            },
+        }
+    }
+
+    /// Its type.
+    fn source(self) -> &'static str {
+        match self {
+            Self::Plain => "Vec3",
+            Self::Checker => "Checker",
+            Self::Stripes => "Stripes",
+            Self::Image { high, blend } => match (high, blend) {
+                (false, false) => "ImageMap<'static, Texture<'static, Rgb888>, Nearest>",
+                (false, true) => "ImageMap<'static, Texture<'static, Rgb888>, Bilinear>",
+                (true, false) => "ImageMap<'static, HighColor<'static>, Nearest>",
+                (true, true) => "ImageMap<'static, HighColor<'static>, Bilinear>",
+            },
+        }
+    }
+
+    /// As one of several.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "Plain",
+            Self::Checker => "Checker",
+            Self::Stripes => "Stripes",
+            Self::Image { high, blend } => match (high, blend) {
+                (false, false) => "Image",
+                (false, true) => "BlendedImage",
+                (true, false) => "HighImage",
+                (true, true) => "BlendedHighImage",
+            },
+        }
+    }
+
+    /// What its source names of the `whitted` crate.
+    fn imports(self) -> &'static [&'static str] {
+        match self {
+            Self::Plain => &[],
+            Self::Checker => &["Checker"],
+            Self::Stripes => &["Stripes"],
+            Self::Image { high, blend } => match (high, blend) {
+                (false, false) => &[
+                    "ImageMap",
+                    "columns::Texture",
+                    "embedded_graphics::pixelcolor::Rgb888",
+                    "pattern::Nearest",
+                ],
+                (false, true) => &[
+                    "ImageMap",
+                    "columns::Texture",
+                    "embedded_graphics::pixelcolor::Rgb888",
+                    "pattern::Bilinear",
+                ],
+                (true, false) => &[
+                    "ImageMap",
+                    "embedded_graphics::pixelcolor::Rgb565",
+                    "pattern::HighColor",
+                    "pattern::Nearest",
+                ],
+                (true, true) => &[
+                    "ImageMap",
+                    "embedded_graphics::pixelcolor::Rgb565",
+                    "pattern::Bilinear",
+                    "pattern::HighColor",
+                ],
+            },
+        }
+    }
+
+    /// Where a pointer has 4.
+    fn bytes(self) -> usize {
+        match self {
+            Self::Plain => size_of::<Vec3>(),
+            Self::Checker => size_of::<Checker>(),
+            Self::Stripes => size_of::<Stripes>(),
+            Self::Image { .. } => WORD + 2 * size_of::<f32>(),
+        }
+    }
 }
 
 impl Terms {
@@ -25,7 +129,13 @@ impl Terms {
                 self.has_real_exponents |= highlight.shininess as u32 as f32 != highlight.shininess;
             }
             self.reflects |= material.reflection.reflectance > 0.0;
-            self.transmits |= material.transmission.transmittance > 0.0;
+            let Absorbing {
+                tint, absorption, ..
+            } = material.transmission;
+            self.transmits |= tint.max_element() > 0.0;
+            self.tints |= tint != Vec3::splat(tint.x);
+            self.absorbs |= absorption != Vec3::ZERO;
+            self.colors.insert(ColorKind::of(&material.color));
         }
     }
 
@@ -42,13 +152,81 @@ impl Terms {
     }
 
     pub fn transmission(&self) -> Option<&'static str> {
-        self.transmits.then_some("Glass")
+        let kind = match (self.absorbs, self.tints) {
+            (true, _) => "Absorbing",
+            (false, true) => "Tinted",
+            (false, false) => "Glass",
+        };
+        self.transmits.then_some(kind)
+    }
+
+    /// The type of colors, unless they are the same everywhere.
+    fn color(&self) -> Option<&'static str> {
+        let mut kinds = self.colors.iter();
+        match (kinds.next(), kinds.next()) {
+            (None | Some(ColorKind::Plain), None) => None,
+            (Some(kind), None) => Some(kind.source()),
+            _ => Some("Paint"),
+        }
+    }
+
+    /// The terms and what colors are, as names of the `whitted` crate.
+    pub fn imports(&self) -> impl Iterator<Item = &'static str> {
+        let terms = [self.highlight(), self.reflection(), self.transmission()];
+        let colors = self.colors.iter().flat_map(|it| it.imports());
+        let several = if self.colors.len() > 1 {
+            &["Varying", "pattern::Spot"][..]
+        } else {
+            &[]
+        };
+        let named = terms.into_iter().flatten().chain(colors.copied());
+        named.chain(several.iter().copied())
+    }
+
+    /// The type of colors where there are several.
+    pub fn paint(&self) -> Option<String> {
+        if self.colors.len() < 2 {
+            return None;
+        }
+        let each = |line: &dyn Fn(&ColorKind) -> String| {
+            self.colors.iter().map(line).collect::<Vec<_>>().concat()
+        };
+        let variants = each(&|it| {
+            let (name, kind) = (it.name(), it.source());
+            format!("    /// Of some materials.\n    {name}({kind}),\n")
+        });
+        let mapped = each(&|it| {
+            let name = it.name();
+            match it {
+                ColorKind::Image { .. } => format!("            Self::{name}(_) => true,\n"),
+                _ => format!("            Self::{name}(_) => false,\n"),
+            }
+        });
+        let seen = each(&|it| {
+            let name = it.name();
+            match it {
+                ColorKind::Plain => format!("            Self::{name}(color) => *color,\n"),
+                _ => format!("            Self::{name}(it) => it.at(spot),\n"),
+            }
+        });
+        Some(format!(
+            "\n/// What colors materials.\npub enum Paint {{\n{variants}}}\n\n\
+             impl Varying for Paint {{\n    fn is_mapped(&self) -> bool {{\n        \
+             match self {{\n{mapped}        }}\n    }}\n\n    \
+             fn at(&self, spot: &Spot) -> Vec3 {{\n        match self {{\n{seen}        }}\n    \
+             }}\n}}\n"
+        ))
     }
 
     /// The material's type, without the terms at its end that nothing has.
     pub fn material(&self) -> String {
-        let terms = [self.highlight(), self.reflection(), self.transmission()];
-        let count = 3 - terms.iter().rev().take_while(|it| it.is_none()).count();
+        let terms = [
+            self.highlight(),
+            self.reflection(),
+            self.transmission(),
+            self.color(),
+        ];
+        let count = 4 - terms.iter().rev().take_while(|it| it.is_none()).count();
         let named: Vec<_> = terms[..count].iter().map(|it| it.unwrap_or("()")).collect();
         match named[..] {
             [] => "Material".to_owned(),
@@ -65,14 +243,60 @@ impl Terms {
         if self.reflects {
             bytes += size_of::<Mirror>();
         }
-        if self.transmits {
-            bytes += size_of::<Glass>();
-        }
-        bytes
+        bytes += match self.transmission() {
+            None => 0,
+            Some("Glass") => size_of::<Glass>(),
+            Some("Tinted") => size_of::<Tinted>(),
+            Some(_) => size_of::<Absorbing>(),
+        };
+        let most = self.colors.iter().map(|it| it.bytes()).max();
+        let tag = if self.colors.len() > 1 { WORD } else { 0 };
+        bytes - size_of::<Vec3>() + most.unwrap_or(size_of::<Vec3>()) + tag
     }
 
-    /// A material's source.
-    pub fn source(&self, material: &Material) -> String {
+    /// A material's source; `image` is the name of its image, where it has one.
+    pub fn source(&self, material: &Material, image: Option<&str>) -> String {
+        debug_assert!(self.color().is_some() || is_simple(material) || self.tints || self.absorbs);
+        let kind = ColorKind::of(&material.color);
+        let color = match &material.color {
+            Paint::Plain(color) => vector(*color),
+            Paint::Checker(Checker {
+                colors: [a, b],
+                size,
+            }) => format!(
+                "Checker {{ colors: [{}, {}], size: {} }}",
+                vector(*a),
+                vector(*b),
+                number(*size)
+            ),
+            Paint::Stripes(Stripes {
+                colors: [a, b],
+                direction,
+                size,
+            }) => format!(
+                "Stripes {{ colors: [{}, {}], direction: {}, size: {} }}",
+                vector(*a),
+                vector(*b),
+                vector(*direction),
+                number(*size)
+            ),
+            Paint::Image {
+                repeat: (across, along),
+                blend,
+                ..
+            } => format!(
+                "ImageMap {{ image: &{}, repeat: ({}, {}), filter: {} }}",
+                image.unwrap_or_default(),
+                number(*across),
+                number(*along),
+                if *blend { "Bilinear" } else { "Nearest" }
+            ),
+        };
+        let color = if self.colors.len() > 1 {
+            format!("Paint::{}({color})", kind.name())
+        } else {
+            color
+        };
         let highlight = match self.highlight() {
             None => "()".to_owned(),
             Some(kind) => {
@@ -101,15 +325,29 @@ impl Terms {
         let transmission = match self.transmission() {
             None => "()".to_owned(),
             Some(kind) => {
-                let Glass { transmittance, ior } = material.transmission;
-                let (transmittance, ior) = (number(transmittance), number(ior));
-                format!("{kind} {{ transmittance: {transmittance}, ior: {ior} }}")
+                let Absorbing {
+                    tint,
+                    ior,
+                    absorption,
+                } = material.transmission;
+                let ior = number(ior);
+                match kind {
+                    "Glass" => {
+                        let transmittance = number(tint.x);
+                        format!("Glass {{ transmittance: {transmittance}, ior: {ior} }}")
+                    }
+                    "Tinted" => format!("Tinted {{ tint: {}, ior: {ior} }}", vector(tint)),
+                    _ => format!(
+                        "Absorbing {{ tint: {}, ior: {ior}, absorption: {} }}",
+                        vector(tint),
+                        vector(absorption)
+                    ),
+                }
             }
         };
         format!(
-            "Material {{ color: {}, ambient: {}, diffuse: {}, highlight: {highlight}, reflection: \
+            "Material {{ color: {color}, ambient: {}, diffuse: {}, highlight: {highlight}, reflection: \
              {reflection}, transmission: {transmission} }}",
-            vector(material.color),
             number(material.ambient),
             number(material.diffuse),
         )

@@ -16,6 +16,8 @@ pub const LEAVES: usize = 32;
 pub const INSTANCES: usize = 1 << 16;
 /// Most different materials.
 pub const MATERIALS: usize = 1 << 20;
+/// Most textures.
+pub const TEXTURES: usize = 1 << 12;
 /// Most lights.
 pub const LIGHTS: usize = 1 << 12;
 /// Most corners of a polygon.

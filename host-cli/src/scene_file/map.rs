@@ -8,9 +8,9 @@ use ::toml::Spanned;
 use serde::Deserialize;
 
 use super::limits::{self, Range};
+use super::texture::{Bitmap, TextureFields, in_order};
 use super::toml::{Checker, LightFields, MaterialFields, Places, Point, Real, too_many};
 use super::{DEFAULT_DEPTH, Light, Located, Material, Place, Problem, SceneError, bytes};
-use crate::picture::Picture;
 use crate::scene_file::error::excerpt;
 
 /// A map as its file describes it. Lengths count in cells; the plan's rows run along x, from one to the
@@ -56,19 +56,6 @@ pub struct Wall {
     pub faces: [usize; 4],
 }
 
-/// A picture with a palette, in the bytes of a display.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Bitmap {
-    /// In pixels.
-    pub width: u16,
-    /// In pixels.
-    pub height: u16,
-    /// Column after column, each from the top: places in the palette, beyond it what is transparent.
-    pub texels: Vec<u8>,
-    /// Red, green, blue.
-    pub palette: Vec<[u8; 3]>,
-}
-
 /// A bitmap that stands in the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sprite {
@@ -101,15 +88,8 @@ const PLAN_SIDE: usize = 4096;
 const WALLS: usize = 255;
 /// Most textures.
 const TEXTURES: usize = 4096;
-/// Most pixels along one side of a texture.
-const TEXTURE_SIDE: usize = 1024;
-/// Most colors of a texture: one byte's value is left for what is transparent.
-const COLORS: usize = 255;
 /// Most sprites.
 pub const SPRITES: usize = 256;
-/// What a texel is that is transparent.
-const CLEAR: u8 = 255;
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
@@ -140,15 +120,6 @@ struct PlayerFields {
     height: Option<Real>,
     direction: Spanned<[Real; 2]>,
     fov: Real,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TextureFields {
-    file: Option<Spanned<String>>,
-    rows: Option<Spanned<Vec<Spanned<String>>>>,
-    #[serde(default)]
-    colors: HashMap<Spanned<String>, Point>,
 }
 
 #[derive(Deserialize)]
@@ -224,13 +195,6 @@ pub fn parse(path: &Path, text: &str) -> Result<MapFile, SceneError> {
     reader.read(path).map_err(fail)
 }
 
-/// A table by name, in the order of the file.
-fn in_order<T>(table: &HashMap<Spanned<String>, T>) -> Vec<(&Spanned<String>, &T)> {
-    let mut entries: Vec<_> = table.iter().collect();
-    entries.sort_by_key(|(name, _)| name.span().start);
-    entries
-}
-
 type Names = HashMap<String, usize>;
 
 struct Reader<'a> {
@@ -246,7 +210,7 @@ impl Reader<'_> {
         let mut materials = Vec::new();
         let mut material_names = Names::new();
         for (name, fields) in in_order(&document.material) {
-            let material = fields.read(check, check.start(name), name.get_ref())?;
+            let material = fields.read(check, name, &[])?;
             material_names.insert(name.get_ref().clone(), materials.len());
             materials.push(material);
         }
@@ -264,7 +228,7 @@ impl Reader<'_> {
                 return Err((check.start(name), too_many("textures", TEXTURES)));
             }
             texture_names.insert(name.get_ref().clone(), textures.len());
-            textures.push(self.texture(name, fields)?);
+            textures.push(fields.palette(check, self.folder, name)?);
         }
         let texture = |name: &Spanned<String>| {
             let place = texture_names.get(name.get_ref()).copied();
@@ -397,79 +361,6 @@ impl Reader<'_> {
         Ok(Wall { material, faces })
     }
 
-    fn texture(&self, name: &Spanned<String>, fields: &TextureFields) -> Result<Bitmap, Located> {
-        match (&fields.file, &fields.rows) {
-            (Some(file), None) => self.texture_file(file),
-            (None, Some(rows)) => self.texture_rows(rows, &fields.colors),
-            _ => {
-                let problem = "a texture has either `file` or `rows`";
-                Err((self.check.start(name), Problem::Contradiction(problem)))
-            }
-        }
-    }
-
-    fn texture_file(&self, file: &Spanned<String>) -> Result<Bitmap, Located> {
-        let place = self.check.start(file);
-        let picture = Picture::read(&self.folder.join(file.get_ref())).map_err(|error| {
-            let file = excerpt(file.get_ref().as_bytes());
-            let reason = error.to_string();
-            (place, Problem::Texture { file, reason })
-        })?;
-        let Picture {
-            width,
-            height,
-            channels,
-            max,
-            ref samples,
-        } = picture;
-        let to_byte = |sample: u16| {
-            let (sample, max) = (u32::from(sample), u32::from(max));
-            ((sample * 255 + max / 2) / max) as u8
-        };
-        let pixel = |x: usize, y: usize| {
-            let pixel = &samples[(y * width + x) * channels..][..channels];
-            let is_clear = channels == 4 && to_byte(pixel[3]) < 128;
-            (!is_clear).then(|| [0, 1, 2].map(|i| to_byte(pixel[i])))
-        };
-        Bitmap::new(width, height, pixel).map_err(|problem| (place, problem))
-    }
-
-    fn texture_rows(
-        &self,
-        rows: &Spanned<Vec<Spanned<String>>>,
-        colors: &HashMap<Spanned<String>, Point>,
-    ) -> Result<Bitmap, Located> {
-        let check = &self.check;
-        let mut known = HashMap::new();
-        for (name, color) in in_order(colors) {
-            let mut sign = name.get_ref().chars();
-            let (Some(sign), None) = (sign.next(), sign.next()) else {
-                let problem = "the name of a texture's color is one character, as in its rows";
-                return Err((check.start(name), Problem::Contradiction(problem)));
-            };
-            let color = check.triple("a component of the colour", color, Range::Share)?;
-            known.insert(sign, to_bytes(color));
-        }
-        let signs: Vec<Vec<char>> = rows
-            .get_ref()
-            .iter()
-            .map(|row| row.get_ref().chars().collect())
-            .collect();
-        let width = signs.first().map_or(0, Vec::len);
-        if width == 0 {
-            let problem = "the texture has no pixels";
-            return Err((check.start(rows), Problem::Contradiction(problem)));
-        }
-        for (row, signs) in rows.get_ref().iter().zip(&signs) {
-            let found = signs.len();
-            if found != width {
-                return Err((check.start(row), Problem::Ragged { found, width }));
-            }
-        }
-        let pixel = |x: usize, y: usize| known.get(&signs[y][x]).copied();
-        Bitmap::new(width, signs.len(), pixel).map_err(|problem| (check.start(rows), problem))
-    }
-
     fn sprite(
         &self,
         fields: &SpriteFields,
@@ -533,77 +424,10 @@ impl Reader<'_> {
     }
 }
 
-/// A linear color as a display takes it.
-fn to_bytes(color: [f64; 3]) -> [u8; 3] {
-    color.map(|it| whitted::picture::quantize(it as f32))
-}
-
-impl Bitmap {
-    /// Of pixels, `None` where they are transparent.
-    fn new(
-        width: usize,
-        height: usize,
-        pixel: impl Fn(usize, usize) -> Option<[u8; 3]>,
-    ) -> Result<Self, Problem> {
-        if width.max(height) > TEXTURE_SIDE {
-            return Err(too_many("pixels to a side of a texture", TEXTURE_SIDE));
-        }
-        let mut bitmap = Self {
-            width: width as u16,
-            height: height as u16,
-            texels: Vec::with_capacity(width * height),
-            palette: Vec::new(),
-        };
-        let mut places = HashMap::new();
-        for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
-            let Some(color) = pixel(x, y) else {
-                bitmap.texels.push(CLEAR);
-                continue;
-            };
-            let next = bitmap.palette.len();
-            let place = *places.entry(color).or_insert(next);
-            if place == next {
-                if next == COLORS {
-                    return Err(too_many("colours in a texture", COLORS));
-                }
-                bitmap.palette.push(color);
-            }
-            bitmap.texels.push(place as u8);
-        }
-        Ok(bitmap)
-    }
-
-    /// One pixel.
-    fn plain(color: [f64; 3]) -> Self {
-        Self {
-            width: 1,
-            height: 1,
-            texels: vec![0],
-            palette: vec![to_bytes(color)],
-        }
-    }
-
-    /// The same, darker.
-    fn shaded(&self, shade: f64) -> Self {
-        let darken = |byte: u8| (f64::from(byte) * shade).round() as u8;
-        Self {
-            palette: self.palette.iter().map(|it| it.map(darken)).collect(),
-            ..self.clone()
-        }
-    }
-
-    /// Of all pixels that are not transparent, linear.
-    fn mean(&self) -> [f64; 3] {
-        let seen = self.texels.iter();
-        let colors = || seen.clone().filter_map(|&it| self.palette.get(it as usize));
-        let count = colors().count().max(1) as f64;
-        [0, 1, 2].map(|i| colors().map(|it| f64::from(it[i])).sum::<f64>() / count / 255.0)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene_file::texture::{CLEAR, TEXTURE_SIDE};
 
     const ROOM: &str = "plan = '''\n\
         ####\n\

@@ -335,6 +335,9 @@ impl Parser<'_> {
                 reflectance: specular,
                 transmittance,
                 ior,
+                pattern: None,
+                filter: [1.0; 3],
+                absorption: [0.0; 3],
             });
             materials.len() - 1
         });

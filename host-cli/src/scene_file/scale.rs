@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 use glam::Vec3;
 
-use super::{Area, Camera, Group, Instance, Lens, Light, Object, SceneFile, Shape, Solid};
+use super::{Area, Camera, Group, Instance, Lens, Light, Object, Pattern, SceneFile, Shape, Solid};
 
 /// Lengths in a file are those that are cast times 2^`exponent`.
 ///
@@ -78,6 +78,11 @@ impl Scale {
     /// A point of the file as it is cast.
     pub fn point(self, point: [f64; 3]) -> Vec3 {
         Vec3::from_array(point.map(|it| self.length(it)))
+    }
+
+    /// What is counted over a length of the file, over one that is cast.
+    pub fn per_length(self, number: f64) -> f32 {
+        (number * power_of_two(self.exponent)) as f32
     }
 
     /// A length as it is cast, in the file's unit.
@@ -173,6 +178,11 @@ impl SceneFile {
                     reflectance: number(it.reflectance),
                     transmittance: number(it.transmittance),
                     ior: number(it.ior),
+                    filter: it.filter.map(number),
+                    absorption: it
+                        .absorption
+                        .map(|it| f64::from(scale.per_length(it)) * power_of_two(-scale.exponent)),
+                    pattern: it.pattern.as_ref().map(|it| it.rounded(&number, &length)),
                     ..it.clone()
                 })
                 .collect(),
@@ -220,6 +230,35 @@ impl Light {
                 ..it
             }),
             ..*self
+        }
+    }
+}
+
+impl Pattern {
+    fn rounded(&self, number: &impl Fn(f64) -> f64, length: &impl Fn(f64) -> f64) -> Self {
+        match *self {
+            Self::Checker { colors, size } => Self::Checker {
+                colors: colors.map(|it| it.map(number)),
+                size: length(size),
+            },
+            Self::Stripes {
+                colors,
+                direction,
+                size,
+            } => Self::Stripes {
+                colors: colors.map(|it| it.map(number)),
+                direction,
+                size: length(size),
+            },
+            Self::Image {
+                ref texture,
+                repeat,
+                blend,
+            } => Self::Image {
+                texture: texture.clone(),
+                repeat: repeat.map(number),
+                blend,
+            },
         }
     }
 }

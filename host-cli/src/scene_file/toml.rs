@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 
 use ::toml::Spanned;
 use serde::de::value::SeqAccessDeserializer;
@@ -11,9 +12,10 @@ use serde::{Deserialize, Deserializer};
 use whitted::area::Samples;
 
 use super::limits::{self, Range};
+use super::texture::{Texture, TextureFields, in_order};
 use super::{
     Area, Camera, DEFAULT_DEPTH, Extent, General, Group, Instance, Lens, Light, Located, Material,
-    Object, Place, Problem, Quadric, SceneError, SceneFile, Shape, Solid, at, solid,
+    Object, Pattern, Place, Problem, Quadric, SceneError, SceneFile, Shape, Solid, at, solid,
 };
 use crate::scene_file::error::excerpt;
 
@@ -202,6 +204,8 @@ with_shapes! {
         #[serde(default)]
         material: HashMap<Spanned<String>, MaterialFields>,
         #[serde(default)]
+        texture: HashMap<Spanned<String>, TextureFields>,
+        #[serde(default)]
         group: HashMap<Spanned<String>, GroupFields>,
     }
 }
@@ -344,6 +348,35 @@ pub(super) struct MaterialFields {
     reflectance: Option<Real>,
     transmittance: Option<Real>,
     ior: Option<Real>,
+    filter: Option<Point>,
+    absorption: Option<Point>,
+    checker: Option<Spanned<CheckerFields>>,
+    stripes: Option<Spanned<StripesFields>>,
+    image: Option<Spanned<ImageFields>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CheckerFields {
+    colors: [Point; 2],
+    size: Real,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StripesFields {
+    colors: [Point; 2],
+    direction: Point,
+    size: Real,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ImageFields {
+    texture: Spanned<String>,
+    repeat: Option<Spanned<[Number; 2]>>,
+    #[serde(default)]
+    blend: bool,
 }
 
 /// A shape as it stands in the file.
@@ -977,9 +1010,19 @@ impl Document {
             let place = check.places.start(materials[limits::MATERIALS].0);
             return Err((place, too_many("materials", limits::MATERIALS)));
         }
+        if self.texture.len() > limits::TEXTURES {
+            let place = check.start(in_order(&self.texture)[limits::TEXTURES].0);
+            return Err((place, too_many("textures", limits::TEXTURES)));
+        }
+        let folder = file.path.parent().unwrap_or(Path::new(""));
+        let mut textures = Vec::new();
+        for (name, fields) in in_order(&self.texture) {
+            let texture = fields.read(check, folder, name)?;
+            textures.push((name.get_ref().as_str(), Arc::new(texture)));
+        }
         let mut names = HashMap::new();
         for (name, fields) in materials {
-            let material = fields.read(check, check.places.start(name), name.get_ref())?;
+            let material = fields.read(check, name, &textures)?;
             names.insert(name.get_ref().clone(), file.materials.len());
             file.materials.push(material);
         }
@@ -1305,18 +1348,32 @@ impl LightFields {
 }
 
 impl MaterialFields {
+    /// `textures` are those that there are, by name.
     pub(super) fn read(
         &self,
         check: &Checker<'_>,
-        place: Place,
-        name: &str,
+        name: &Spanned<String>,
+        textures: &[(&str, Arc<Texture>)],
     ) -> Result<Material, Located> {
         use Range::{Brightness, Exponent, Refraction, Share};
         let transmittance = check.real_or("the transmittance", &self.transmittance, Share, 0.0)?;
         let ior = check.real_or("the index of refraction", &self.ior, Refraction, 1.5)?;
+        let filter = self.filter.as_ref();
+        let absorption = self.absorption.as_ref();
+        if let (Some(needless), false) = (filter.or(absorption), transmittance > 0.0) {
+            let problem = "what lets nothing through has neither `filter` nor `absorption`";
+            return Err((check.start(needless), Problem::Contradiction(problem)));
+        }
         Ok(Material {
-            place,
-            name: name.to_owned(),
+            place: check.start(name),
+            name: name.get_ref().clone(),
+            pattern: self.pattern(check, name, textures)?,
+            filter: filter.map_or(Ok([1.0; 3]), |it| {
+                check.triple("a component of the filter", it, Share)
+            })?,
+            absorption: absorption.map_or(Ok([0.0; 3]), |it| {
+                check.triple("a component of the absorption", it, Brightness)
+            })?,
             color: check.color("a component of the colour", &self.color, 1.0)?,
             ambient: check.real_or("the ambient share", &self.ambient, Brightness, 1.0)?,
             diffuse: check.real_or("the diffuse share", &self.diffuse, Brightness, 1.0)?,
@@ -1326,6 +1383,82 @@ impl MaterialFields {
             transmittance,
             ior: if transmittance > 0.0 { ior } else { 1.0 },
         })
+    }
+}
+
+impl MaterialFields {
+    fn pattern(
+        &self,
+        check: &Checker<'_>,
+        name: &Spanned<String>,
+        textures: &[(&str, Arc<Texture>)],
+    ) -> Result<Option<Pattern>, Located> {
+        let colors = |[a, b]: &[Point; 2]| {
+            let color = |it| check.triple("a component of a colour", it, Range::Brightness);
+            Ok([color(a)?, color(b)?])
+        };
+        let size = |number: &Real| {
+            let size = check.length("the size", number)?;
+            // As it is cast.
+            if size as f32 > 0.0 {
+                return Ok(size);
+            }
+            let problem = "what a pattern repeats is larger than 0";
+            Err((check.start(number), Problem::Contradiction(problem)))
+        };
+        match (&self.color, &self.checker, &self.stripes, &self.image) {
+            (_, None, None, None) => Ok(None),
+            (None, Some(checker), None, None) => {
+                let fields = checker.get_ref();
+                Ok(Some(Pattern::Checker {
+                    colors: colors(&fields.colors)?,
+                    size: size(&fields.size)?,
+                }))
+            }
+            (None, None, Some(stripes), None) => {
+                let fields = stripes.get_ref();
+                let direction = check.point("a component of the direction", &fields.direction)?;
+                if direction.map(|it| it as f32) == [0.0; 3] {
+                    let problem = "the direction of stripes is zero";
+                    let place = check.start(&fields.direction);
+                    return Err((place, Problem::Contradiction(problem)));
+                }
+                Ok(Some(Pattern::Stripes {
+                    colors: colors(&fields.colors)?,
+                    direction,
+                    size: size(&fields.size)?,
+                }))
+            }
+            (None, None, None, Some(image)) => {
+                let ImageFields {
+                    texture: wanted,
+                    repeat,
+                    blend,
+                } = image.get_ref();
+                let found = textures.iter().find(|it| it.0 == wanted.get_ref());
+                let texture = found.ok_or_else(|| {
+                    let name = excerpt(wanted.get_ref().as_bytes());
+                    (check.start(wanted), Problem::UnknownTexture(name))
+                })?;
+                let mut copies = [1.0; 2];
+                if let Some(repeat) = repeat {
+                    copies = repeat.get_ref().map(|it| it.0);
+                    for count in copies {
+                        let checked = Range::Length.check("the number of copies", count);
+                        checked.map_err(at(check.start(repeat)))?;
+                    }
+                }
+                Ok(Some(Pattern::Image {
+                    texture: texture.1.clone(),
+                    repeat: copies,
+                    blend: *blend,
+                }))
+            }
+            _ => {
+                let problem = "a material has one of `color`, `checker`, `stripes` and `image`";
+                Err((check.start(name), Problem::Contradiction(problem)))
+            }
+        }
     }
 }
 
@@ -1604,7 +1737,8 @@ mod tests {
             (
                 "colour = 1",
                 "1:1: unknown field `colour`, expected one of `size`, `depth`, `shadows`, \
-                 `background`, `ambient`, `camera`, `light`, `material`, `group`, `sphere`, `plane`, \
+                 `background`, `ambient`, `camera`, `light`, `material`, `texture`, `group`, \
+                 `sphere`, `plane`, \
                  `polygon`, `triangle`, `patch`, `box`, `frustum`, `cylinder`, `cone`, `ellipsoid`, \
                  `paraboloid`, `hyperboloid`, `quadric`, `torus`, `csg`, `instance`",
             ),
@@ -1664,7 +1798,57 @@ mod tests {
             (
                 "[material.a]\nglow = 1",
                 "2:1: unknown field `glow`, expected one of `color`, `ambient`, `diffuse`, \
-                 `specular`, `shininess`, `reflectance`, `transmittance`, `ior`",
+                 `specular`, `shininess`, `reflectance`, `transmittance`, `ior`, `filter`, \
+                 `absorption`, `checker`, `stripes`, `image`",
+            ),
+            (
+                "[material.a]\ncolor = [1, 1, 1]\nchecker = { colors = [[0, 0, 0], [1, 1, 1]], size = 1 }",
+                "1:11: a material has one of `color`, `checker`, `stripes` and `image`",
+            ),
+            (
+                "[material.a]\nchecker = { colors = [[0, 0, 0], [1, 1, 1]], size = 1e-60 }",
+                "2:53: what a pattern repeats is larger than 0",
+            ),
+            (
+                "[material.a]\nchecker = { colors = [[0, 0, 0], [1, 1, -1]], size = 1 }",
+                "2:34: a component of a colour is -1.0: not between 0 and 1048576",
+            ),
+            (
+                "[material.a]\nchecker = { colors = [[0, 0, 0]], size = 1 }",
+                "2:22: invalid length 1, expected an array of length 2",
+            ),
+            (
+                "[material.a]\nstripes = { colors = [[0, 0, 0], [1, 1, 1]], direction = [0, 0, 0], size = 1 }",
+                "2:58: the direction of stripes is zero",
+            ),
+            (
+                "[material.a]\nimage = { texture = 'wood' }",
+                "2:21: no texture is named `wood`",
+            ),
+            (
+                "[texture.t]\nrows = ['a']\n[material.a]\nimage = { texture = 't', repeat = [1, inf] }",
+                "4:35: the number of copies is inf: not a finite 32-bit float",
+            ),
+            (
+                "[texture.t]\nfile = 'none.png'\nrows = ['a']",
+                "1:10: a texture has either `file` or `rows`",
+            ),
+            ("[texture.t]\nrows = []", "2:8: the texture has no pixels"),
+            (
+                "[texture.t]\nfile = 'none.bmp'",
+                "2:8: texture none.bmp: No such file or directory (os error 2)",
+            ),
+            (
+                "[material.a]\nfilter = [1, 0, 0]",
+                "2:10: what lets nothing through has neither `filter` nor `absorption`",
+            ),
+            (
+                "[material.a]\ntransmittance = 1\nfilter = [1, 2, 0]",
+                "3:10: a component of the filter is 2.0: not between 0 and 1",
+            ),
+            (
+                "[material.a]\ntransmittance = 1\nabsorption = [1, -2, 0]",
+                "3:14: a component of the absorption is -2.0: not between 0 and 1048576",
             ),
             (
                 &shape("sphere", "center = [0, 0, 0]"),

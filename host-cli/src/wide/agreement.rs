@@ -2,16 +2,17 @@
 
 use fearless_simd::Level;
 use whitted::{
-    Cuboid, Departure, Ends, Exact, Frustum, Geometry, Glass, Hit, Math, Mirror, Object, Patch,
+    Absorbing, Cuboid, Departure, Ends, Exact, Frustum, Geometry, Hit, Math, Mirror, Object, Patch,
     PhongReal, Plane, Polygon, Quadric, Ray, Side, Sphere, Torus, Triangle, Vec3,
 };
 
 use super::{Kinds, Wide, levels, lockstep};
+use crate::paint::Paint;
 use crate::scene::Material;
 
 const fn stuff(transmittance: f32) -> Material {
     Material {
-        color: Vec3::ONE,
+        color: Paint::Plain(Vec3::ONE),
         ambient: 0.0,
         diffuse: 1.0,
         highlight: PhongReal {
@@ -19,9 +20,10 @@ const fn stuff(transmittance: f32) -> Material {
             shininess: 1.0,
         },
         reflection: Mirror { reflectance: 0.0 },
-        transmission: Glass {
-            transmittance,
+        transmission: Absorbing {
+            tint: Vec3::splat(transmittance),
             ior: 1.5,
+            absorption: Vec3::ZERO,
         },
     }
 }
@@ -459,7 +461,7 @@ fn answers(geometry: &impl Geometry<Material = Material>, ray: &Ray) -> Answers 
     Answers {
         hit: bits(geometry.closest_hit(ray)),
         occluded: geometry.occluded(ray),
-        transmittance: geometry.transmittance(ray).to_bits(),
+        transmittance: geometry.transmittance(ray).x.to_bits(),
     }
 }
 
@@ -485,7 +487,7 @@ fn compare(scene: &Owned, level: Level, flat: usize, rays: usize, random: &mut R
             assert_eq!(answers(&wide, &ray), expected, "{:?} {ray:?}", scene.style);
             let (narrow, wide) = ((before, kinds), (before, &wide));
             assert_eq!(answers(&wide, &ray), answers(&narrow, &ray), "{ray:?}");
-            let light = kinds.transmittance(&ray);
+            let light = kinds.transmittance(&ray).x;
             counts[0] += u32::from(kinds.closest_hit(&ray).is_some());
             counts[1] += u32::from(light == 1.0);
             counts[2] += u32::from(light > 0.0 && light < 1.0);
@@ -568,7 +570,7 @@ fn rays_together_are_answered_as_the_kernels_do() {
                             same && bits(hit) == bits(expected),
                             "{name} {style:?} {ray:?}"
                         );
-                        let light = kinds.transmittance(ray);
+                        let light = kinds.transmittance(ray).x;
                         assert_eq!(
                             passed.to_bits(),
                             light.to_bits(),

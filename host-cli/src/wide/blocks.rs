@@ -3,6 +3,7 @@
 use fearless_simd::{Simd, SimdMask};
 use glam::Vec3;
 use whitted::Finish;
+use whitted::material::Transmission;
 
 use super::bounds;
 use super::build::Item;
@@ -280,7 +281,9 @@ fn corners<M, const CORNERS: usize>(
 
 /// All objects that a tree can hold, and the places of those that it cannot: planes, quadrics, tori, and
 /// objects with a number so large or so odd that nothing is known about where their kernels report hits.
-pub fn items<M>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
+pub fn items<M: Finish>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
+    // Light weakens in a solid also where it meets no surface of it: each is looked at.
+    let absorbs = |material: &M| material.transmission().absorption() != Vec3::ZERO;
     let mut items = Vec::with_capacity(parts.len());
     let mut loose: Vec<_> = parts
         .planes
@@ -304,7 +307,8 @@ pub fn items<M>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
         } else {
             Kind::HollowSphere
         };
-        add(place, kind, bounds::of_sphere(sphere));
+        let bounds = bounds::of_sphere(sphere);
+        add(place, kind, bounds.filter(|_| !absorbs(object.material)));
     }
     let outlines = (parts.polygons.places().map(|(place, _)| place))
         .chain(parts.triangles.places().map(|(place, _)| place))
@@ -319,7 +323,12 @@ pub fn items<M>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
         add(place, kind, bounds::of_outline(vertices, normal));
     }
     for (place, object) in parts.cuboids.places() {
-        add(place, Kind::Cuboid, bounds::of_cuboid(&object.shape));
+        let bounds = bounds::of_cuboid(&object.shape);
+        add(
+            place,
+            Kind::Cuboid,
+            bounds.filter(|_| !absorbs(object.material)),
+        );
     }
     for (place, object) in parts.frusta.places() {
         let frustum = &object.shape;

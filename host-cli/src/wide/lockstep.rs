@@ -8,6 +8,7 @@
 use core::ops::Range;
 
 use fearless_simd::{Select, Simd, SimdMask};
+use whitted::material::Transmission;
 use whitted::math::{self, Transmittance};
 use whitted::{Candidates, Counters, Exact, Geometry, Hit, Light, LightSource, Ray, Vec3, View};
 
@@ -100,7 +101,8 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
     }
 }
 
-/// As [`Geometry::transmittance`] of each ray; fastest where neighbours go about the same way.
+/// As [`Geometry::transmittance`] of each ray, where that is the same for all channels; fastest where
+/// neighbours go about the same way.
 pub fn transmittances(geometry: &Wide<'_, Material>, rays: &[Ray], passed: &mut [f32]) {
     with_tree!(&geometry.tree, |tree, simd| each_transmittance(
         simd, tree, geometry, rays, passed
@@ -465,13 +467,15 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let Some(material) = hits.material[lane] else {
                 continue;
             };
-            hits.color.set(lane, material.color);
+            // Scenes with other materials do not come here.
+            hits.color
+                .set(lane, material.color.plain().unwrap_or_default());
             hits.ambient[lane] = material.ambient;
             hits.diffuse[lane] = material.diffuse;
             hits.specular[lane] = material.highlight.specular;
             hits.shininess[lane] = material.highlight.shininess;
             hits.reflectance[lane] = material.reflection.reflectance;
-            hits.transmittance[lane] = material.transmission.transmittance;
+            hits.transmittance[lane] = material.transmission.transmittance();
             hits.ior[lane] = material.transmission.ior;
         }
     }
@@ -631,7 +635,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             }
         }
         for lane in Set(lit) {
-            passed[lane] = geometry.transmittance(&beams.ray(lane));
+            passed[lane] = geometry.transmittance(&beams.ray(lane)).x;
         }
     }
 

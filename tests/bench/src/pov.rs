@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use whitted_cli::scene_file::{
-    Area, Extent, Lens, Material, Quadric, SceneFile, Shape, Solid, Step,
+    Area, Extent, Lens, Material, Pattern, Quadric, SceneFile, Shape, Solid, Step,
 };
 
 fn vector(v: [f64; 3]) -> String {
@@ -30,14 +30,49 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
     times(v, v.map(|it| it * it).iter().sum::<f64>().sqrt().recip())
 }
 
-/// POV-Ray weighs what is scattered by what a material does not transmit.
-fn texture(it: &Material) -> String {
+/// What takes a color's place. Solid patterns are looked up a little beneath flat surfaces.
+fn pattern(it: &Pattern, clear: &str, outward: [f64; 3]) -> Option<String> {
+    let (kind, size) = match it {
+        Pattern::Checker {
+            colors: [a, b],
+            size,
+        } => {
+            let colors = [a, b].map(|it| format!("rgb {} {clear}", vector(*it)));
+            (format!("checker {}", colors.join(", ")), *size)
+        }
+        Pattern::Stripes {
+            colors: [a, b],
+            direction,
+            size,
+        } => {
+            let [a, b] = [a, b].map(|it| format!("rgb {} {clear}", vector(*it)));
+            let direction = vector(unit(*direction));
+            let colors = format!("color_map {{ [0.5 {a}] [0.5 {b}] }}");
+            // One of its cells holds both layers.
+            (format!("gradient {direction} {colors} scale 2"), *size)
+        }
+        Pattern::Image { .. } => return None,
+    };
+    let beneath = vector(times(outward, size / 1024.0));
+    Some(format!("{kind} scale {size:e} translate {beneath}"))
+}
+
+/// POV-Ray weighs what is scattered by what a material does not transmit, and filters by its color: nothing
+/// for another one.
+fn texture(it: &Material, outward: [f64; 3]) -> Option<String> {
     let opacity = 1.0 - it.transmittance;
     let weigh = |x: f64| if opacity > 0.0 { x / opacity } else { 0.0 };
+    let clear = match it.filter {
+        [1.0, 1.0, 1.0] => format!("transmit {}", it.transmittance),
+        filter if filter == it.color => format!("filter {}", it.transmittance),
+        _ => return None,
+    };
+    let pigment = match &it.pattern {
+        Some(it) => pattern(it, &clear, outward)?,
+        None => format!("rgb {} {clear}", vector(it.color)),
+    };
     let mut text = format!(
-        "texture {{ pigment {{ rgb {} transmit {} }} finish {{ ambient {} diffuse {}",
-        vector(it.color),
-        it.transmittance,
+        "texture {{ pigment {{ {pigment} }} finish {{ ambient {} diffuse {}",
         weigh(it.ambient),
         weigh(it.diffuse)
     );
@@ -49,9 +84,33 @@ fn texture(it: &Material) -> String {
     }
     text.push_str(" } }");
     if it.transmittance > 0.0 {
-        let _ = write!(text, " interior {{ ior {} }}", it.ior);
+        let _ = write!(text, " interior {{ ior {}", it.ior);
+        let most = it
+            .absorption
+            .iter()
+            .fold(0.0, |most: f64, it| most.max(*it));
+        if most > 0.0 {
+            let color = vector(it.absorption.map(|it| 1.0 - it / most));
+            let distance = 1.0 / most;
+            let _ = write!(
+                text,
+                " fade_power 1001 fade_distance {distance:e} fade_color rgb {color}"
+            );
+        }
+        text.push_str(" }");
     }
-    text
+    Some(text)
+}
+
+/// A normal by Newell's method.
+fn newell(vertices: &[[f64; 3]]) -> [f64; 3] {
+    let next = vertices.iter().cycle().skip(1);
+    let mut normal = [0.0; 3];
+    for (&a, &b) in vertices.iter().zip(next) {
+        let part = cross(a, b);
+        normal = [0, 1, 2].map(|i| normal[i] + part[i]);
+    }
+    unit(normal)
 }
 
 /// A quadric, in POV-Ray's own words where it has some.
@@ -190,7 +249,7 @@ fn clipped(
     }
 }
 
-/// A shape, but for planes, in POV-Ray's words.
+/// A shape, in POV-Ray's words.
 fn shape(of: &Shape, texture: &str) -> Option<String> {
     let list = |points: &[[f64; 3]]| points.iter().map(|&it| vector(it)).collect::<Vec<_>>();
     let text = match of {
@@ -256,7 +315,10 @@ fn shape(of: &Shape, texture: &str) -> Option<String> {
                 rows.join(",")
             )
         }
-        Shape::Plane { .. } => return None,
+        Shape::Plane { point, normal } => {
+            let (normal, point) = (vector(unit(*normal)), vector(*point));
+            format!("plane {{ {normal}, 0 translate {point} {texture} }}")
+        }
     };
     Some(text)
 }
@@ -275,7 +337,7 @@ fn solid(file: &SceneFile, of: &Solid) -> Option<String> {
                 let leaf = leaves.next()?;
                 let texture = match is_one {
                     true => String::new(),
-                    false => texture(&file.materials[leaf.material]),
+                    false => texture(&file.materials[leaf.material], [0.0; 3])?,
                 };
                 waiting.push(match leaf.shape {
                     Shape::Plane { point, normal } => {
@@ -296,7 +358,7 @@ fn solid(file: &SceneFile, of: &Solid) -> Option<String> {
         waiting.push(format!("{word} {{ {left} {right} }}"));
     }
     let texture = match is_one {
-        true => texture(&file.materials[first]),
+        true => texture(&file.materials[first], [0.0; 3])?,
         false => String::new(),
     };
     Some(format!("union {{ {} {texture} }}", waiting.pop()?))
@@ -322,7 +384,8 @@ fn area_light(area: &Area) -> String {
     format!(" area_light {a}, {b}, {samples}, {samples}{adaptive}{kind}")
 }
 
-/// A scene without planes of its own; negative radii are drawn from both sides.
+/// A scene without images, and without glass that filters by another color than its own; negative radii are
+/// drawn from both sides.
 pub fn write(file: &SceneFile) -> Option<String> {
     let camera = file.camera.as_ref()?;
     // Square pictures: both angles are the same.
@@ -369,22 +432,27 @@ pub fn write(file: &SceneFile) -> Option<String> {
         let in_union = (flat && material.transmittance > 0.0).then_some(object.material);
         if in_union != open {
             if let Some(material) = open {
-                let _ = writeln!(text, "{} }}", texture(&file.materials[material]));
+                let _ = writeln!(text, "{} }}", texture(&file.materials[material], [0.0; 3])?);
             }
             if in_union.is_some() {
                 text.push_str("union {\n");
             }
             open = in_union;
         }
+        let outward = match &object.shape {
+            Shape::Plane { normal, .. } => unit(*normal),
+            Shape::Polygon { vertices } => newell(vertices),
+            _ => [0.0; 3],
+        };
         let texture = if in_union.is_some() {
             String::new()
         } else {
-            texture(material)
+            texture(material, outward)?
         };
         let _ = writeln!(text, "{}", shape(&object.shape, &texture)?);
     }
     if let Some(material) = open {
-        let _ = writeln!(text, "{} }}", texture(&file.materials[material]));
+        let _ = writeln!(text, "{} }}", texture(&file.materials[material], [0.0; 3])?);
     }
     for of in &file.solids {
         let _ = writeln!(text, "{}", solid(file, of)?);
@@ -394,7 +462,12 @@ pub fn write(file: &SceneFile) -> Option<String> {
         let rows = [instance.axes.concat(), instance.translation.to_vec()].concat();
         let rows: Vec<_> = rows.iter().map(|x| format!("{x:e}")).collect();
         let shapes = group.objects.iter().map(|it| {
-            let texture = texture(&file.materials[it.material]);
+            let material = &file.materials[it.material];
+            // POV-Ray's patterns are placed with the shape.
+            let texture = material
+                .pattern
+                .is_none()
+                .then(|| texture(material, [0.0; 3]))??;
             shape(&it.shape, &texture)
         });
         for it in shapes.chain(group.solids.iter().map(|it| solid(file, it))) {

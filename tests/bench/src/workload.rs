@@ -3,8 +3,10 @@
 use glam::Vec3;
 use whitted::math::Exact;
 use whitted::{
-    Camera, Cuboid, Geometry, Glass, Math, Mirror, Object, PhongReal, Ray, Sphere, Triangle, View,
+    Absorbing, Camera, Cuboid, Geometry, Math, Mirror, Object, PhongReal, Ray, Sphere, Triangle,
+    View,
 };
+use whitted_cli::paint::Paint;
 use whitted_cli::scene::Material;
 use whitted_cli::wide::Kinds;
 
@@ -183,8 +185,8 @@ impl Random {
 }
 
 static MATERIALS: [Material; 16] = {
-    let mut materials = [Material {
-        color: Vec3::ONE,
+    const PLAIN: Material = Material {
+        color: Paint::Plain(Vec3::ONE),
         ambient: 0.0,
         diffuse: 0.0,
         highlight: PhongReal {
@@ -192,11 +194,13 @@ static MATERIALS: [Material; 16] = {
             shininess: 1.0,
         },
         reflection: Mirror { reflectance: 0.0 },
-        transmission: Glass {
-            transmittance: 0.0,
+        transmission: Absorbing {
+            tint: Vec3::ZERO,
             ior: 1.0,
+            absorption: Vec3::ZERO,
         },
-    }; 16];
+    };
+    let mut materials = [PLAIN; 16];
     let mut i = 0;
     while i < 16 {
         materials[i].diffuse = i as f32 / 16.0;

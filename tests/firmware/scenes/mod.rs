@@ -71,6 +71,7 @@ pub mod checkerboard;
 pub mod ladder;
 pub mod layouts;
 pub mod outside;
+pub mod paints;
 
 /// Shows every frame to the visitor, by the name of its program.
 pub fn visit_all(visitor: &mut impl Visitor) {
@@ -79,6 +80,7 @@ pub fn visit_all(visitor: &mut impl Visitor) {
     layouts::visit_all(visitor);
     outside::visit_all(visitor);
     castle::visit_all(visitor);
+    paints::visit_all(visitor);
 }
 
 /// Shows enough frames to the visitor to meet everything that `core` can draw.
@@ -94,6 +96,7 @@ pub fn visit_varied(visitor: &mut impl Visitor) {
     layouts::visit_all(visitor);
     outside::visit_all(visitor);
     castle::visit_all(visitor);
+    paints::visit_all(visitor);
 }
 
 #[inline(always)]

@@ -61,7 +61,7 @@ impl Scene {
         area: &Area,
         shadow: Ray,
         normal: DVec3,
-    ) -> f64 {
+    ) -> DVec3 {
         if area.most == 1 {
             return self.transmittance(shadow, shadow.origin.distance(position));
         }
@@ -77,7 +77,7 @@ impl Scene {
                 };
                 self.transmittance(ray, distance)
             } else {
-                0.0
+                DVec3::ZERO
             }
         };
         mean(&sample, [0, 0], area.most, area)
@@ -86,7 +86,7 @@ impl Scene {
 
 /// The mean of a square's samples, `side` to a side from one corner on: that of its four corners where
 /// they are alike and lie as closely as is asked for everywhere, else that of its four quarters.
-fn mean(sample: &impl Fn(u32, u32) -> f64, [x, y]: [u32; 2], side: u32, area: &Area) -> f64 {
+fn mean(sample: &impl Fn(u32, u32) -> DVec3, [x, y]: [u32; 2], side: u32, area: &Area) -> DVec3 {
     let last = side - 1;
     let corners = [
         sample(x, y),
@@ -96,10 +96,10 @@ fn mean(sample: &impl Fn(u32, u32) -> f64, [x, y]: [u32; 2], side: u32, area: &A
     ];
     let alike = corners.iter().all(|it| *it == corners[0]);
     if side == 2 || (alike && area.least * side <= 2 * area.most) {
-        return corners.iter().sum::<f64>() / 4.0;
+        return corners.iter().sum::<DVec3>() / 4.0;
     }
     let half = side / 2;
     let quarters = [[x, y], [x + half, y], [x, y + half], [x + half, y + half]];
     let means = quarters.map(|quarter| mean(sample, quarter, half, area));
-    means.iter().sum::<f64>() / 4.0
+    means.iter().sum::<DVec3>() / 4.0
 }

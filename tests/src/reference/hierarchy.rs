@@ -125,6 +125,9 @@ mod tests {
     #[test]
     fn every_object_that_a_ray_meets_is_shown() {
         let finish = Finish {
+            pattern: None,
+            filter: DVec3::ONE,
+            absorption: DVec3::ZERO,
             color: DVec3::ONE,
             ambient: 0.0,
             diffuse: 1.0,
@@ -145,7 +148,12 @@ mod tests {
             point: DVec3::ZERO,
             normal: DVec3::Y,
         }]);
-        let objects: Vec<_> = shapes.map(|shape| Object { shape, finish }).collect();
+        let objects: Vec<_> = shapes
+            .map(|shape| Object {
+                shape,
+                finish: finish.clone(),
+            })
+            .collect();
         let hierarchy = Hierarchy::new(&objects);
         let (mut met, mut asked) = (0, 0);
         for i in 0..500 {

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use whitted_cli::scene_file::{self, Lens, SceneFile};
 
 use super::solid::{Part, Placed, Solid};
-use super::{Area, Camera, Extent, Finish, Light, Object, Quadric, Scene, Shape};
+use super::{Area, Camera, Extent, Finish, Light, Object, Pattern, Quadric, Scene, Shape};
 
 impl Scene {
     /// A scene file, seen by its camera in a picture of this size; nothing if it has no camera.
@@ -19,7 +19,7 @@ impl Scene {
                 .iter()
                 .map(|object| Object {
                     shape: Shape::from(&object.shape),
-                    finish: finishes[object.material],
+                    finish: finishes[object.material].clone(),
                 })
                 .collect();
             for solid in solids {
@@ -35,7 +35,7 @@ impl Scene {
                                 solid: whole.clone(),
                                 leaf,
                             }),
-                            finish: finishes[object.material],
+                            finish: finishes[object.material].clone(),
                         }),
                 );
             }
@@ -124,6 +124,38 @@ impl From<&scene_file::Material> for Finish {
             mirror: material.reflectance,
             transmittance: material.transmittance,
             ior: material.ior,
+            pattern: material.pattern.as_ref().map(Pattern::from),
+            filter: material.filter.into(),
+            absorption: material.absorption.into(),
+        }
+    }
+}
+
+impl From<&scene_file::Pattern> for Pattern {
+    fn from(pattern: &scene_file::Pattern) -> Self {
+        match *pattern {
+            scene_file::Pattern::Checker { colors, size } => Pattern::Checker {
+                colors: colors.map(DVec3::from),
+                size,
+            },
+            scene_file::Pattern::Stripes {
+                colors,
+                direction,
+                size,
+            } => Pattern::Stripes {
+                colors: colors.map(DVec3::from),
+                direction: DVec3::from(direction).normalize(),
+                size,
+            },
+            scene_file::Pattern::Image {
+                ref texture,
+                repeat,
+                blend,
+            } => Pattern::Image {
+                texture: texture.clone(),
+                repeat,
+                blend,
+            },
         }
     }
 }

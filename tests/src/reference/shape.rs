@@ -251,6 +251,25 @@ impl Shape {
         }
     }
 
+    /// Whether it has an inside, in which light can weaken.
+    pub fn is_solid(&self) -> bool {
+        match self {
+            Sphere { .. } => !self.shows_inside_only(),
+            Plane { .. } | Cuboid { .. } | Torus { .. } | Shape::Quadric(_) => true,
+            // Of the leaves of a solid none has one of its own.
+            _ => false,
+        }
+    }
+
+    /// Whether a ray that does not meet the surface is inside all the way, `leaving` it or not.
+    pub fn is_beyond(&self, origin: DVec3, direction: DVec3, leaving: bool) -> bool {
+        match *self {
+            Plane { normal, .. } if leaving => direction.dot(normal) < 0.0,
+            Plane { point, normal } => (origin - point).dot(normal) < 0.0,
+            _ => false,
+        }
+    }
+
     /// Corners of the smallest box round the surface; nothing for a plane.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let around = |points: &[DVec3], radius: f64| {

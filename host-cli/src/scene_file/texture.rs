@@ -1,0 +1,278 @@
+//! Textures: pictures for walls, sprites and other surfaces.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use ::toml::Spanned;
+use embedded_graphics::pixelcolor::{Rgb565, Rgb888};
+use serde::Deserialize;
+
+use super::limits::Range;
+use super::toml::{Checker, Point, too_many};
+use super::{Located, Problem};
+use crate::picture::Picture;
+use crate::scene_file::error::excerpt;
+
+/// A picture with a palette, in the bytes of a display.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bitmap {
+    /// In pixels.
+    pub width: u16,
+    /// In pixels.
+    pub height: u16,
+    /// Column after column, each from the top: places in the palette, beyond it what is transparent.
+    pub texels: Vec<u8>,
+    /// Red, green, blue.
+    pub palette: Vec<[u8; 3]>,
+}
+
+/// A picture without a palette, in 16 bits a pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HighBitmap {
+    /// In pixels.
+    pub width: u16,
+    /// In pixels.
+    pub height: u16,
+    /// Row after row from the top.
+    pub pixels: Vec<Rgb565>,
+}
+
+/// A picture to be laid over surfaces.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Texture {
+    /// Of few colors.
+    Palette(Bitmap),
+    /// Of many.
+    High(HighBitmap),
+}
+
+/// Most pixels along one side of a texture.
+pub(super) const TEXTURE_SIDE: usize = 1024;
+/// Most colors of a texture: one byte's value is left for what is transparent.
+pub(super) const COLORS: usize = 255;
+/// What a texel is that is transparent.
+pub(super) const CLEAR: u8 = 255;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TextureFields {
+    file: Option<Spanned<String>>,
+    rows: Option<Spanned<Vec<Spanned<String>>>>,
+    #[serde(default)]
+    colors: HashMap<Spanned<String>, Point>,
+}
+
+/// A table by name, in the order of the file.
+pub(super) fn in_order<T>(table: &HashMap<Spanned<String>, T>) -> Vec<(&Spanned<String>, &T)> {
+    let mut entries: Vec<_> = table.iter().collect();
+    entries.sort_by_key(|(name, _)| name.span().start);
+    entries
+}
+
+/// A texture's pixels, `None` where they are transparent, and their number.
+struct Pixels<'a> {
+    width: usize,
+    height: usize,
+    at: Box<dyn Fn(usize, usize) -> Option<[u8; 3]> + 'a>,
+}
+
+impl TextureFields {
+    /// What is to be laid over surfaces. Black where it is transparent.
+    pub(super) fn read(
+        &self,
+        check: &Checker<'_>,
+        folder: &Path,
+        name: &Spanned<String>,
+    ) -> Result<Texture, Located> {
+        let (place, pixels) = self.pixels(check, folder, name)?;
+        match Bitmap::new(&pixels) {
+            Err(Problem::TooMany { limit: COLORS, .. }) => {
+                Ok(Texture::High(HighBitmap::new(&pixels)))
+            }
+            found => found
+                .map(Texture::Palette)
+                .map_err(|problem| (place, problem)),
+        }
+    }
+
+    /// What a map's wall or sprite shows.
+    pub(super) fn palette(
+        &self,
+        check: &Checker<'_>,
+        folder: &Path,
+        name: &Spanned<String>,
+    ) -> Result<Bitmap, Located> {
+        let (place, pixels) = self.pixels(check, folder, name)?;
+        Bitmap::new(&pixels).map_err(|problem| (place, problem))
+    }
+
+    fn pixels(
+        &self,
+        check: &Checker<'_>,
+        folder: &Path,
+        name: &Spanned<String>,
+    ) -> Result<(super::Place, Pixels<'static>), Located> {
+        match (&self.file, &self.rows) {
+            (Some(file), None) => Ok((check.start(file), Self::of_file(check, folder, file)?)),
+            (None, Some(rows)) => Ok((check.start(rows), self.of_rows(check, rows)?)),
+            _ => {
+                let problem = "a texture has either `file` or `rows`";
+                Err((check.start(name), Problem::Contradiction(problem)))
+            }
+        }
+    }
+
+    fn of_file(
+        check: &Checker<'_>,
+        folder: &Path,
+        file: &Spanned<String>,
+    ) -> Result<Pixels<'static>, Located> {
+        let place = check.start(file);
+        let picture = Picture::read(&folder.join(file.get_ref())).map_err(|error| {
+            let file = excerpt(file.get_ref().as_bytes());
+            let reason = error.to_string();
+            (place, Problem::Texture { file, reason })
+        })?;
+        let Picture {
+            width,
+            height,
+            channels,
+            max,
+            samples,
+        } = picture;
+        let to_byte = move |sample: u16| {
+            let (sample, max) = (u32::from(sample), u32::from(max));
+            ((sample * 255 + max / 2) / max) as u8
+        };
+        let at = move |x: usize, y: usize| {
+            let pixel = &samples[(y * width + x) * channels..][..channels];
+            let is_clear = channels == 4 && to_byte(pixel[3]) < 128;
+            (!is_clear).then(|| [0, 1, 2].map(|i| to_byte(pixel[i])))
+        };
+        Ok(Pixels {
+            width,
+            height,
+            at: Box::new(at),
+        })
+    }
+
+    fn of_rows(
+        &self,
+        check: &Checker<'_>,
+        rows: &Spanned<Vec<Spanned<String>>>,
+    ) -> Result<Pixels<'static>, Located> {
+        let mut known = HashMap::new();
+        for (name, color) in in_order(&self.colors) {
+            let mut sign = name.get_ref().chars();
+            let (Some(sign), None) = (sign.next(), sign.next()) else {
+                let problem = "the name of a texture's color is one character, as in its rows";
+                return Err((check.start(name), Problem::Contradiction(problem)));
+            };
+            let color = check.triple("a component of the colour", color, Range::Share)?;
+            known.insert(sign, to_bytes(color));
+        }
+        let signs: Vec<Vec<char>> = rows
+            .get_ref()
+            .iter()
+            .map(|row| row.get_ref().chars().collect())
+            .collect();
+        let width = signs.first().map_or(0, Vec::len);
+        if width == 0 {
+            let problem = "the texture has no pixels";
+            return Err((check.start(rows), Problem::Contradiction(problem)));
+        }
+        for (row, signs) in rows.get_ref().iter().zip(&signs) {
+            let found = signs.len();
+            if found != width {
+                return Err((check.start(row), Problem::Ragged { found, width }));
+            }
+        }
+        Ok(Pixels {
+            width,
+            height: signs.len(),
+            at: Box::new(move |x, y| known.get(&signs[y][x]).copied()),
+        })
+    }
+}
+
+/// A linear color as a display takes it.
+fn to_bytes(color: [f64; 3]) -> [u8; 3] {
+    color.map(|it| whitted::picture::quantize(it as f32))
+}
+
+impl Bitmap {
+    /// Of pixels, `None` where they are transparent.
+    fn new(pixels: &Pixels<'_>) -> Result<Self, Problem> {
+        let Pixels { width, height, .. } = *pixels;
+        if width.max(height) > TEXTURE_SIDE {
+            return Err(too_many("pixels to a side of a texture", TEXTURE_SIDE));
+        }
+        let mut bitmap = Self {
+            width: width as u16,
+            height: height as u16,
+            texels: Vec::with_capacity(width * height),
+            palette: Vec::new(),
+        };
+        let mut places = HashMap::new();
+        for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
+            let Some(color) = (pixels.at)(x, y) else {
+                bitmap.texels.push(CLEAR);
+                continue;
+            };
+            let next = bitmap.palette.len();
+            let place = *places.entry(color).or_insert(next);
+            if place == next {
+                if next == COLORS {
+                    return Err(too_many("colours in a texture", COLORS));
+                }
+                bitmap.palette.push(color);
+            }
+            bitmap.texels.push(place as u8);
+        }
+        Ok(bitmap)
+    }
+
+    /// One pixel.
+    pub(super) fn plain(color: [f64; 3]) -> Self {
+        Self {
+            width: 1,
+            height: 1,
+            texels: vec![0],
+            palette: vec![to_bytes(color)],
+        }
+    }
+
+    /// The same, darker.
+    pub(super) fn shaded(&self, shade: f64) -> Self {
+        let darken = |byte: u8| (f64::from(byte) * shade).round() as u8;
+        Self {
+            palette: self.palette.iter().map(|it| it.map(darken)).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Of all pixels that are not transparent, linear.
+    pub(super) fn mean(&self) -> [f64; 3] {
+        let seen = self.texels.iter();
+        let colors = || seen.clone().filter_map(|&it| self.palette.get(it as usize));
+        let count = colors().count().max(1) as f64;
+        [0, 1, 2].map(|i| colors().map(|it| f64::from(it[i])).sum::<f64>() / count / 255.0)
+    }
+}
+
+impl HighBitmap {
+    /// Of pixels no more than a [`Bitmap`] may have.
+    fn new(pixels: &Pixels<'_>) -> Self {
+        let Pixels { width, height, .. } = *pixels;
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let color = |(x, y)| {
+            let [red, green, blue] = (pixels.at)(x, y).unwrap_or_default();
+            Rgb565::from(Rgb888::new(red, green, blue))
+        };
+        Self {
+            width: width as u16,
+            height: height as u16,
+            pixels: places.map(color).collect(),
+        }
+    }
+}
