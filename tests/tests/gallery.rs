@@ -19,12 +19,13 @@ mod pov;
 /// Every scene; the most pixels in which the renderer and the oracle may differ by more than a step of
 /// 255, all explained by rounding; and the least share of channels, in percent, that must lie within a
 /// step of POV-Ray's; 0 for what is not compared.
-const SCENES: [(&str, usize, f64); 8] = [
+const SCENES: [(&str, usize, f64); 9] = [
     ("quadrics", 10, 99.8),
     ("tori", 10, 99.8),
     ("panel", 10, 99.9),
     ("globe", 10, 98.0),
     ("instances", 10, 99.8),
+    ("solids", 10, 99.8),
     ("patterns", 20, 99.9),
     ("tinted", 20, 98.4),
     ("images", 200, 0.0),
