@@ -186,11 +186,12 @@ fn compiler() -> &'static str {
     })
 }
 
+/// What the compiler inlines depends on whether it keeps parts for the next time.
 fn profile() -> &'static str {
-    if cfg!(debug_assertions) {
-        "dev"
-    } else {
-        "release"
+    match (cfg!(debug_assertions), option_env!("CARGO_INCREMENTAL")) {
+        (true, Some("0")) => "dev in one go",
+        (true, _) => "dev",
+        (false, _) => "release",
     }
 }
 

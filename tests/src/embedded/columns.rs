@@ -13,7 +13,7 @@ use super::firmware::{self, Request};
 use super::image::Image;
 use super::scenes::castle::{COLUMNS, COLUMNS_VIEW};
 use super::target::{CORTEX_M4F, Machine, TARGETS, Target};
-use super::{cortex_m4, run};
+use super::{cortex_m4, run, stack};
 use crate::lab;
 
 /// The program.
@@ -35,6 +35,8 @@ pub struct Cost {
     pub support: u64,
     /// The deepest stack below the caller, by painting.
     pub stack: u64,
+    /// What it can be at most, from the instructions.
+    pub stack_bound: u64,
     /// Instructions a frame.
     pub instructions: u64,
     /// Estimated cycles a frame, on the Cortex-M4F.
@@ -105,12 +107,15 @@ pub fn measure(targets: &[Target], compiler: &str, plugin: &Path) -> Result<Vec<
         );
         let (report, profiles) = run::run_counted(target, &image, &FUNCTIONS, plugin)?;
         check_report(&report).with_context(|| target.name)?;
+        let bounds = FUNCTIONS.map(|function| stack::bound(&image, function));
+        let bounds = bounds.into_iter().collect::<Result<Vec<_>>>()?;
         let mut cost = Cost {
             compiler: compiler.to_owned(),
             target: target.name.to_owned(),
             flash: own_flash(&image) - own_flash(&empty),
             support: image.support_bytes(),
             stack: report.get("stack").copied().context("no stack depth")?,
+            stack_bound: bounds.iter().map(|it| it.bytes).max().unwrap_or(0),
             instructions: profiles.iter().map(|profile| profile.total()).sum(),
             cycles: None,
             picture: format!("{:016x}", expected()),
