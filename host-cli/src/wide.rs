@@ -255,10 +255,12 @@ impl<M> Wide<'_, M> {
 
     #[inline(always)]
     fn takes_this(&self, ray: &Ray) -> bool {
-        let invertible = |x: f32| x == 0.0 || x.abs() > INVERTIBLE;
+        // Zero, or large: of whole numbers one comparison, and no branch. NaN is not regular.
+        let size = |x: f32| x.abs().to_bits();
+        let invertible = |x: f32| size(x).wrapping_sub(1) >= INVERTIBLE.to_bits();
         let d = ray.direction;
-        is_regular(ray)
-            && (!self.has_cuboids || invertible(d.x) && invertible(d.y) && invertible(d.z))
+        let is_invertible = invertible(d.x) & invertible(d.y) & invertible(d.z);
+        is_regular(ray) & (!self.has_cuboids | is_invertible)
     }
 
     /// Whether there are objects that the lanes leave out: those in no block, and the one that the ray

@@ -7,7 +7,7 @@ use glam::Vec3;
 use whitted::{Cuboid, Ray};
 
 use super::across::Terms;
-use super::lanes::{Lanes, Meeting, Vectors, nothing};
+use super::lanes::{Lanes, Meeting, Vectors};
 use super::rays::RayTerms;
 
 /// `N` axis-aligned boxes.
@@ -57,9 +57,6 @@ impl<const N: usize> Cuboids<N> {
             between,
         } = inside;
         let met = between & entry.simd_le(exit);
-        if !met.any_true() {
-            return nothing(simd);
-        }
         let t = entry.simd_gt(zero).select(entry, exit);
         Meeting {
             t,

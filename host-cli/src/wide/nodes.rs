@@ -205,5 +205,5 @@ impl SlabTerms {
 #[inline(always)]
 pub fn is_regular(ray: &Ray) -> bool {
     // Also false for NaN.
-    (ray.direction.length_squared() - 1.0).abs() < ROUNDING && reach(ray) < FAR
+    ((ray.direction.length_squared() - 1.0).abs() < ROUNDING) & (reach(ray) < FAR)
 }

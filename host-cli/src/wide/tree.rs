@@ -49,6 +49,8 @@ pub struct Tree<const N: usize> {
     blocks: Blocks<LEAF>,
     /// All there is where there is no hierarchy: few blocks, and full ones.
     flat: Blocks<N>,
+    /// A bit for each [`Kind`] of which there is a flat block.
+    flat_kinds: u8,
     needs: Needs,
     /// How many coordinates of its origin a ray's hits may lie outside the boxes.
     slack: f32,
@@ -100,6 +102,7 @@ impl<const N: usize> Tree<N> {
             nodes: Vec::new(),
             blocks: Blocks::default(),
             flat: Blocks::default(),
+            flat_kinds: 0,
             needs: Needs::default(),
             slack: ROUNDING * (1.0 + parts.steepness()),
         };
@@ -119,6 +122,9 @@ impl<const N: usize> Tree<N> {
                     break;
                 }
             }
+        }
+        for kind in Kind::ALL {
+            tree.flat_kinds |= u8::from(tree.flat.len(kind) > 0) << kind as u8;
         }
         tree.needs = if tree.nodes.is_empty() {
             tree.flat.needs()
@@ -234,26 +240,28 @@ impl<const N: usize> Tree<N> {
         let terms = RayTerms::new(ray, self.needs);
         if SEARCH == Search::Spheres as u8 || SEARCH == Search::Blocks as u8 {
             macro_rules! each {
-                ($shelf:ident, $block:ident => $meeting:expr) => {
-                    for ($block, labels) in
-                        self.flat.$shelf.blocks.iter().zip(&self.flat.$shelf.labels)
-                    {
-                        let found: Found<'_, Many<S, Self>, N> = Found::new($meeting, labels);
-                        match visit.visit::<S, _, N>(found, limit) {
-                            Some(nearer) => limit = nearer,
-                            None => return true,
+                ($kind:ident, $shelf:ident, $block:ident => $meeting:expr) => {
+                    // Of most kinds there is none.
+                    if self.flat_kinds & 1 << Kind::$kind as u8 != 0 {
+                        let shelf = &self.flat.$shelf;
+                        for ($block, labels) in shelf.blocks.iter().zip(&shelf.labels) {
+                            let found: Found<'_, Many<S, Self>, N> = Found::new($meeting, labels);
+                            match visit.visit::<S, _, N>(found, limit) {
+                                Some(nearer) => limit = nearer,
+                                None => return true,
+                            }
                         }
                     }
                 };
             }
-            each!(spheres, it => it.meet::<S, _, false>(simd, &terms, limit));
+            each!(Sphere, spheres, it => it.meet::<S, _, false>(simd, &terms, limit));
             if SEARCH == Search::Blocks as u8 {
-                each!(hollow_spheres, it => it.meet::<S, _, true>(simd, &terms, limit));
-                each!(triangles, it => it.meet(simd, &terms, limit));
-                each!(quads, it => it.meet(simd, &terms, limit));
-                each!(cuboids, it => it.meet(simd, &terms, limit));
-                each!(frusta, it => it.meet::<S, _, false>(simd, &terms, limit));
-                each!(hollow_frusta, it => it.meet::<S, _, true>(simd, &terms, limit));
+                each!(HollowSphere, hollow_spheres, it => it.meet::<S, _, true>(simd, &terms, limit));
+                each!(Triangle, triangles, it => it.meet(simd, &terms, limit));
+                each!(Quad, quads, it => it.meet(simd, &terms, limit));
+                each!(Cuboid, cuboids, it => it.meet(simd, &terms, limit));
+                each!(Frustum, frusta, it => it.meet::<S, _, false>(simd, &terms, limit));
+                each!(HollowFrustum, hollow_frusta, it => it.meet::<S, _, true>(simd, &terms, limit));
                 for index in 0..self.flat.outlines.blocks.len() {
                     let found: Found<'_, Many<S, Self>, N> =
                         self.flat.meet(simd, Kind::Outline, index, &terms, limit);
