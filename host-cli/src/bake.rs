@@ -356,9 +356,11 @@ impl Baker {
             let (name, item) = (std::mem::take(&mut self.prefix), format!("GROUP{group}"));
             let parts = std::mem::replace(&mut self.parts, top);
             for part in &parts {
+                lines!(self.types, "#[rustfmt::skip]");
                 lines!(self.types, "type {} = {};", part.name, part.definition);
             }
             let kind = nested(&parts, |it| &it.name);
+            lines!(self.types, "#[rustfmt::skip]");
             lines!(self.types, "type {name} = {kind};");
             self.item(&item, &name, &nested(&parts, |it| &it.value));
             self.bytes
@@ -681,6 +683,7 @@ impl Baker {
         lines!(text, "");
         text.push_str(&self.types);
         for part in &self.parts {
+            lines!(text, "#[rustfmt::skip]");
             lines!(text, "type {} = {};", part.name, part.definition);
         }
         text.push_str(VECTOR_HELPER);

@@ -1175,22 +1175,24 @@ fn placed(
         let Group { place, name, .. } = &groups[group];
         return Err((*place, Problem::Cycle(excerpt(name.as_bytes()))));
     }
-    let mut waiting: Vec<_> = top.into_iter().rev().collect();
+    // Each with the place of the one in the world that brings it.
+    let mut waiting: Vec<_> = top.into_iter().rev().map(|it| (it.place, it)).collect();
     let mut placed = Vec::new();
     let mut count = 0;
-    while let Some(it) = waiting.pop() {
+    while let Some((top, it)) = waiting.pop() {
         count += 1;
         if count > limits::INSTANCES {
-            return Err((it.place, too_many("instances", limits::INSTANCES)));
+            return Err((top, too_many("instances", limits::INSTANCES)));
         }
         let outer = (it.axes, it.translation);
         for inner in within[it.group].iter().rev() {
             let (axes, translation) = solid::compose(outer, (inner.axes, inner.translation));
-            waiting.push(Instance {
+            let inner = Instance {
                 axes,
                 translation,
                 ..*inner
-            });
+            };
+            waiting.push((top, inner));
         }
         let group = &groups[it.group];
         if !(group.objects.is_empty() && group.solids.is_empty()) {
@@ -1564,7 +1566,7 @@ mod tests {
                     .to_owned(),
                 "5:9: group `d` places itself",
             ),
-            (doubling, "39:1: more than 65536 instances"),
+            (doubling, "82:1: more than 65536 instances"),
             (
                 "[group.b]\n[[instance]]\nof = 'b'\nscale = [1, 2]".to_owned(),
                 "4:9: invalid length 2, expected an array of length 3",
