@@ -8,6 +8,7 @@ use std::sync::OnceLock;
 
 use glam::Vec3;
 use libloading::Library;
+use whitted::material::Transmission;
 use whitted::math::Passage;
 use whitted::{
     Candidates, Cuboid, Departure, Exact, Finish, Frustum, Math, Polygon, Ray, Shape, Side, Sphere,
@@ -736,14 +737,14 @@ impl<'a> Intersector<'a> {
         macro_rules! each {
             ($list:ident, $it:ident => $solid:expr) => {
                 for $it in $list {
-                    opaque &= !($it.material.transmission.transmittance > 0.0);
+                    opaque &= !($it.material.transmission.transmittance() > 0.0);
                     solids.push(($solid, place));
                     place += 1;
                 }
             };
             ($list:ident) => {
                 for it in $list {
-                    opaque &= !(it.material.transmission.transmittance > 0.0);
+                    opaque &= !(it.material.transmission.transmittance() > 0.0);
                     corners.extend(it.shape.vertices);
                     faces.push(place);
                     place += 1;

@@ -191,7 +191,9 @@ impl Instruction {
             ("tbb", _) => Flow::Table(1),
             ("tbh", _) => Flow::Table(2),
             ("pop" | "ldm", _) if returns => Flow::Return,
-            ("ldr" | "mov" | "add", _) if self.registers.first().is_some_and(|to| to == "pc") => {
+            // As LLVM writes `tbb` for the Cortex-M0, which has none.
+            ("add", _) if self.registers.first().is_some_and(|to| to == "pc") => Flow::Table(1),
+            ("ldr" | "mov", _) if self.registers.first().is_some_and(|to| to == "pc") => {
                 Flow::UnknownJump
             }
             ("udf" | "trap", _) => Flow::Stop,
@@ -349,7 +351,7 @@ mod tests {
 
     #[test]
     fn thumb_flows() {
-        let cases: [(&str, &[u8], Flow); 9] = [
+        let cases: [(&str, &[u8], Flow); 10] = [
             ("bl -84", &[0xff, 0xf7, 0xd4, 0xff], Flow::Call(0xffff_ffac)),
             ("beq -88", &[0xd2, 0xd0], Flow::Branch(0xffff_ffa8)),
             ("b +4", &[0x00, 0xe0], Flow::Jump(4)),
@@ -358,6 +360,7 @@ mod tests {
             ("bx lr", &[0x70, 0x47], Flow::Return),
             ("pop {r4-r7, pc}", &[0xf0, 0xbd], Flow::Return),
             ("tbb [pc, r0]", &[0xdf, 0xe8, 0x00, 0xf0], Flow::Table(1)),
+            ("add pc, r5", &[0xaf, 0x44], Flow::Table(1)),
             ("bics r0, r1", &[0x88, 0x43], Flow::Next),
         ];
         for (name, code, flow) in cases {

@@ -159,15 +159,16 @@ impl Search<'_> {
                 walk.call(target, depth);
                 vec![next]
             }
-            Flow::Table(entry_size) => self.table(next, entry_size),
+            Flow::Table(entry_size) => self.table(instruction.place.address + 4, next, entry_size),
             Flow::UnknownCall => bail!("a call of an unknown function: {instruction}"),
             Flow::UnknownJump => bail!("a jump to an unknown place: {instruction}"),
             Flow::Return | Flow::Stop => Vec::new(),
         })
     }
 
-    /// Where the entries of a Thumb jump table lead, which lies right behind its jump.
-    fn table(&self, start: u64, entry_size: u64) -> Vec<u64> {
+    /// Where the entries of a Thumb jump table lead, which lies right behind its jump; from `pc` on they
+    /// count.
+    fn table(&self, pc: u64, start: u64, entry_size: u64) -> Vec<u64> {
         let entries = (start..)
             .step_by(entry_size as usize)
             .take_while(|&entry| self.image.is_data(entry));
@@ -177,7 +178,7 @@ impl Search<'_> {
                 .iter()
                 .rev()
                 .fold(0, |value, &byte| value << 8 | u64::from(byte));
-            Some(start + 2 * halfwords)
+            Some(pc + 2 * halfwords)
         });
         // A last odd byte is filled up with zero, which leads into the table itself.
         targets
