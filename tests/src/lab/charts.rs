@@ -2,8 +2,8 @@
 //!
 //! Of each stage, cost against worst error (`price_and_error`) and wrong answers against difficulty
 //! (`difficulty`); of the polygons also what leaks through closed meshes (`leaks`); and of whole frames,
-//! cost against pixels that are off (`frames`), and rays against error (`sampling`). Marks and lines carry their names: there are no legends
-//! to look up.
+//! cost against pixels that are off (`frames`), and rays against error (`sampling`). Marks and lines carry
+//! their names: there are no legends to look up.
 
 mod difficulty;
 mod frames;
@@ -17,7 +17,7 @@ use std::path::Path;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::front::{Results, SUBJECTS};
+use super::front::{Results, SUBJECTS, UNPRICED};
 
 /// What can go wrong in drawing: files that cannot be written, mostly.
 pub type Failure = Box<dyn std::error::Error>;
@@ -56,6 +56,10 @@ pub fn draw_all(results: &Results, folder: &Path) -> Result<(), Failure> {
             subject,
             &folder.join(format!("{}-difficulty.svg", name(subject.stage))),
         )?;
+    }
+    for subject in UNPRICED {
+        let path = folder.join(format!("{}-difficulty.svg", name(subject.stage)));
+        difficulty::draw(results, subject, &path)?;
     }
     overview(results, &folder.join("overview.svg"))?;
     frames::draw(results, &folder.join("frames.svg"))?;

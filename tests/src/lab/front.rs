@@ -59,6 +59,12 @@ pub const SUBJECTS: &[Subject] = &[
     subject("power, real", "Real power", Measure::Steps, &[]),
 ];
 
+/// Those whose methods have no price yet.
+pub const UNPRICED: &[Subject] = &[
+    subject("quadric", "Ray and quadric", Measure::Backward, &[]),
+    subject("torus", "Ray and torus", Measure::Backward, &[]),
+];
+
 const fn subject(
     stage: &'static str,
     title: &'static str,

@@ -279,6 +279,25 @@ mod tests {
     }
 
     #[test]
+    fn tori_are_met_within_their_bounds() {
+        let results = measure(PLAN, |stage| stage == "torus", &|_, _| {});
+        // From 100,000 sizes away the quartic's coefficients lose what the quadrics' do not.
+        let near = |row: &&Row| row.sweep != "distance" || row.x < 1e5;
+        let of = |method| {
+            let rows = results.rows.iter().filter(near);
+            rows.filter(move |row| row.method == method)
+        };
+        assert!(of("core").count() > 20);
+        for row in of("core") {
+            assert!(row.backward <= 2.0 && row.band <= 1.0, "{row:?}");
+        }
+        for method in ["Ferrari", "Sturm", "Bernstein", "sphere tracing"] {
+            let most = of(method).map(|row| row.backward.max(row.band));
+            assert!(most.fold(0.0, f64::max) > 100.0, "{method}");
+        }
+    }
+
+    #[test]
     fn whitted_does_not_shadow_itself_leak_or_lose_digits() {
         let functions = [
             "sqrt",
