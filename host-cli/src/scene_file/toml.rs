@@ -1672,7 +1672,7 @@ mod tests {
     }
 
     #[test]
-    fn defaults_are_those_of_scenes_md() {
+    fn defaults_are_those_of_the_readme() {
         let file = read("[material.a]\n[[light]]\nposition=[1,2,3]\n[camera]\neye=[0,0,1]\ntarget=[0,0,0]\nfov=40").unwrap();
         assert_eq!(file.materials[0].color, [1.0; 3]);
         let it = &file.materials[0];
