@@ -11,17 +11,17 @@
 //!
 //! # Faces that coincide
 //!
-//! Between crossings of two leaves that lie within rounding of each other, by faces that are parallel, there is
-//! nothing: they count as one. So there is no film where a face of what is taken away lies in a face of what it is taken from, and no
-//! wall where two parts of a union touch. Of the leaves that make such a surface, the first in the expression
-//! lends it normal and material.
+//! Between crossings of two leaves that lie within rounding of each other, by faces that are parallel, there
+//! is nothing: they count as one. So there is no film where a face of what is taken away lies in a face of
+//! what it is taken from, and no wall where two parts of a union touch. Of the leaves that make such a
+//! surface, the first in the expression lends it normal and material.
 //!
-//! What a ray leaves is not met again, nor is any face that coincides with it.
+//! What a ray leaves is not met again, nor is any face that it meets within rounding of where it starts.
 //!
 //! Rounding is [`SLACK`] times the greatest coordinate of the ray's origin and the distance, together,
 //! measured across the faces: twice what two kernels in [`crate::shape`] may differ by where two faces are
-//! the same. What two leaves leave thinner than that is not there. For rays that meet a face at less than 1/4096, it is
-//! measured along the ray, and 4096 times as much.
+//! the same. What two leaves leave thinner than that is not there. For rays that meet a face at less than
+//! 1/4096, it is measured along the ray, and 4096 times as much.
 
 use glam::Vec3;
 use heapless::Vec;

@@ -100,8 +100,6 @@ macro_rules! each_kind {
     };
 }
 
-/// What a waiting ray takes of the stack, as [`whitted::Tracer`] says.
-const WAITING_RAY: usize = 40;
 /// Of a light that knows what lies in which direction.
 const MANY_CELLS: usize = 512;
 /// Most lights that do: the compiler makes their cells.
@@ -727,6 +725,7 @@ impl Baker {
         let flash: usize = self.bytes.iter().map(|it| it.1).sum();
         lines!(text, "//   {:16} {flash:8}", "together");
         let rays = if depth > 1 { depth } else { 0 };
+        let bytes_of_rays = rays * self.terms.waiting_ray();
         let boxes = self.tree_depth;
         lines!(text, "//");
         lines!(
@@ -734,7 +733,7 @@ impl Baker {
             "// Bytes of stack, at most, beside those of calls and registers:"
         );
         lines!(text, "//");
-        lines!(text, "//   {rays:2} waiting rays  {:8}", rays * WAITING_RAY);
+        lines!(text, "//   {rays:2} waiting rays  {bytes_of_rays:8}");
         lines!(
             text,
             "//   {boxes:2} waiting boxes {:8}",

@@ -94,7 +94,7 @@ pub fn render_sampled<E>(
                 };
                 band(&geometry, &scene, view, rows, settings, bound, pixels)
             };
-            // As few rays as that of a band's upper edge are traced twice.
+            // Only the rays of a band's upper edge are traced twice.
             bands(view, rows, 16, band, row_done, emit)
         }
     }

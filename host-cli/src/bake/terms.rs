@@ -160,6 +160,16 @@ impl Terms {
         self.transmits.then_some(kind)
     }
 
+    /// What a waiting ray takes of the stack, as [`whitted::Tracer`] says: more where it has a color, and
+    /// where it knows what it goes through.
+    pub fn waiting_ray(&self) -> usize {
+        match self.transmission() {
+            Some("Absorbing") => 60,
+            Some("Tinted") => 48,
+            _ => 40,
+        }
+    }
+
     /// The type of colors, unless they are the same everywhere.
     fn color(&self) -> Option<&'static str> {
         let mut kinds = self.colors.iter();
