@@ -153,7 +153,8 @@ impl Shape for Cuboid {
         let from_min = (point - self.min) / size;
         let from_max = Vec3::ONE - from_min;
         let off = (from_min - Vec3::splat(0.5)).to_array();
-        let [x, y, z] = off.map(f32::abs);
+        // Of a box without extent along an axis that face is met.
+        let [x, y, z] = off.map(|it| if it.is_nan() { f32::INFINITY } else { it.abs() });
         if x >= y && x >= z {
             let u = if off[0] > 0.0 { from_max.z } else { from_min.z };
             (u, from_min.y)
@@ -223,6 +224,15 @@ mod tests {
     fn meets(die: Cuboid, ray: Ray, leaving: Option<Side>) -> Option<(f32, Vec3)> {
         let t = die.intersect::<Exact>(&ray, &Cuboid::setup(&ray), leaving)?;
         Some((t, die.normal::<Exact>(&ray, t)))
+    }
+
+    #[test]
+    fn flat_boxes_have_the_coordinates_of_their_face() {
+        let plate = Cuboid {
+            max: Vec3::new(1.0, -1.0, 1.0),
+            ..DIE
+        };
+        assert_eq!(plate.uv(Vec3::new(0.5, -1.0, -0.5)), (0.75, 0.25));
     }
 
     #[test]
