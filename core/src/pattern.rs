@@ -161,8 +161,15 @@ impl Lit for Rgb565 {
 impl Lit for Rgb888 {
     #[inline(always)]
     fn light(self) -> Vec3 {
-        let [red, green, blue] = [self.r(), self.g(), self.b()].map(f32::from);
-        Vec3::new(red, green, blue) * (1.0 / 255.0)
+        [self.r(), self.g(), self.b()].light()
+    }
+}
+
+/// Red, green, blue.
+impl Lit for [u8; 3] {
+    #[inline(always)]
+    fn light(self) -> Vec3 {
+        Vec3::from_array(self.map(f32::from)) * (1.0 / 255.0)
     }
 }
 

@@ -9,14 +9,16 @@ use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write;
 use std::mem::size_of;
 use std::path::Path;
+use std::sync::Arc;
 
 use embedded_graphics::pixelcolor::RgbColor;
 use whitted::hierarchy::{Child, Node};
 use whitted::{Camera, Closed, Csg, Light, Object, Placement, View};
 
-use crate::paint::{Paint, Sheet};
+use crate::paint::Paint;
 use crate::scene::{self, HostGeometry, HostScene, Material};
 use crate::scene_file::Step;
+use crate::scene_file::texture::{Bitmap, HighBitmap, Texture};
 use crate::whole::{HostSolid, Leaf, Placed, Tree, each_leaf};
 use kind::{Baked, Kind, Nodes};
 use soft::Soft;
@@ -141,7 +143,7 @@ struct Baker {
     /// Different ones, as source.
     materials: Vec<String>,
     known_materials: HashMap<String, usize>,
-    images: Vec<Sheet>,
+    images: Vec<Arc<Texture>>,
     /// What hierarchies are made of.
     bounds: BTreeSet<&'static str>,
     /// The longest path through any tree; 0 without trees.
@@ -168,7 +170,7 @@ impl Baker {
     /// The material's place among the different ones.
     fn material(&mut self, material: &Material) -> usize {
         let image = match &material.color {
-            Paint::Image { sheet, .. } => Some(self.image(sheet)),
+            Paint::Image { texture, .. } => Some(self.image(texture)),
             _ => None,
         };
         let source = self.terms.source(material, image.as_deref());
@@ -183,24 +185,23 @@ impl Baker {
     }
 
     /// Adds an image, unless it is there, and tells its name.
-    fn image(&mut self, sheet: &Sheet) -> String {
-        if let Some(known) = self.images.iter().position(|it| it == sheet) {
+    fn image(&mut self, texture: &Arc<Texture>) -> String {
+        if let Some(known) = self.images.iter().position(|it| it == texture) {
             return format!("IMAGE_{known}");
         }
         let number = self.images.len();
-        self.images.push(sheet.clone());
+        self.images.push(Arc::clone(texture));
         let array = format!("PIXELS_{number}");
-        let (kind, value) = match sheet {
-            Sheet::Palette {
+        let (kind, value) = match &**texture {
+            Texture::Palette(Bitmap {
                 width,
                 height,
                 texels,
                 palette,
-            } => {
-                let colors = palette.iter().map(|it| {
-                    let (red, green, blue) = (it.r(), it.g(), it.b());
-                    format!("Rgb888::new({red}, {green}, {blue})")
-                });
+            }) => {
+                let colors = palette
+                    .iter()
+                    .map(|[red, green, blue]| format!("Rgb888::new({red}, {green}, {blue})"));
                 let (colors, name) = (colors.collect::<Vec<_>>(), format!("COLORS_{number}"));
                 self.array(&name, "Rgb888", colors.len(), 3 * colors.len(), &colors);
                 let texels: Vec<u32> = texels.iter().map(|&it| it.into()).collect();
@@ -209,11 +210,11 @@ impl Baker {
                 let value = format!("Texture {{ {size}, texels: &{array}, palette: &{name} }}");
                 ("Texture<'static, Rgb888>", value)
             }
-            Sheet::High {
+            Texture::High(HighBitmap {
                 width,
                 height,
                 pixels,
-            } => {
+            }) => {
                 let colors = pixels.iter().map(|it| {
                     let (red, green, blue) = (it.r(), it.g(), it.b());
                     format!("Rgb565::new({red}, {green}, {blue})")

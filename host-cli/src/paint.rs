@@ -2,13 +2,12 @@
 
 use std::sync::Arc;
 
-use embedded_graphics::pixelcolor::{Rgb565, Rgb888};
-use whitted::columns::Texture;
 use whitted::pattern::{Bilinear, Filter, HighColor, Image, Nearest, Spot};
-use whitted::{Checker, ImageMap, Stripes, Varying, Vec3};
+use whitted::{Checker, ImageMap, Stripes, Varying, Vec3, columns};
 
 use crate::scene::color;
-use crate::scene_file::{self, Scale, direction, texture};
+use crate::scene_file::texture::{Bitmap, HighBitmap, Texture};
+use crate::scene_file::{self, Scale, direction};
 
 /// A color, or what takes its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,37 +20,12 @@ pub enum Paint {
     Stripes(Stripes),
     /// An image.
     Image {
-        /// Its pixels.
-        sheet: Arc<Sheet>,
+        /// Its pixels, which materials share.
+        texture: Arc<Texture>,
         /// As [`ImageMap::repeat`].
         repeat: (f32, f32),
         /// Whether pixels are blended.
         blend: bool,
-    },
-}
-
-/// The pixels of an image, as firmware has them.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Sheet {
-    /// As [`Texture`].
-    Palette {
-        /// In pixels.
-        width: u16,
-        /// In pixels.
-        height: u16,
-        /// As [`Texture::texels`].
-        texels: Vec<u8>,
-        /// As [`Texture::palette`].
-        palette: Vec<Rgb888>,
-    },
-    /// As [`HighColor`].
-    High {
-        /// In pixels.
-        width: u16,
-        /// In pixels.
-        height: u16,
-        /// As [`HighColor::pixels`].
-        pixels: Vec<Rgb565>,
     },
 }
 
@@ -79,7 +53,7 @@ impl Paint {
                 repeat,
                 blend,
             }) => Self::Image {
-                sheet: Arc::new(Sheet::new(texture)),
+                texture: Arc::clone(texture),
                 repeat: (repeat[0] as f32, repeat[1] as f32),
                 blend: *blend,
             },
@@ -94,28 +68,27 @@ impl Paint {
         }
     }
 
-    /// All of it, as something to compare and to hash.
-    pub(crate) fn bits(&self) -> Vec<u32> {
+    /// All of it, as something to compare and to hash; of an image, which one it is.
+    pub(crate) fn bits(&self) -> Vec<usize> {
         let colors = |[a, b]: [Vec3; 2]| [a.to_array(), b.to_array()].concat();
-        let (kind, numbers) = match self {
-            Self::Plain(color) => (0, color.to_array().to_vec()),
-            Self::Checker(it) => (1, [colors(it.colors), vec![it.size]].concat()),
+        let (mut bits, numbers) = match self {
+            Self::Plain(color) => (vec![0], color.to_array().to_vec()),
+            Self::Checker(it) => (vec![1], [colors(it.colors), vec![it.size]].concat()),
             Self::Stripes(it) => {
                 let across = it.direction.to_array().to_vec();
-                (2, [colors(it.colors), across, vec![it.size]].concat())
+                (vec![2], [colors(it.colors), across, vec![it.size]].concat())
             }
             Self::Image {
-                sheet,
+                texture,
                 repeat: (across, along),
                 blend,
             } => {
-                let mut bits = vec![3, u32::from(*blend), across.to_bits(), along.to_bits()];
-                sheet.note(&mut bits);
-                return bits;
+                let which = Arc::as_ptr(texture).addr();
+                (vec![3, which, usize::from(*blend)], vec![*across, *along])
             }
         };
-        let bits = numbers.into_iter().map(f32::to_bits);
-        std::iter::once(kind).chain(bits).collect()
+        bits.extend(numbers.iter().map(|it| it.to_bits() as usize));
+        bits
     }
 }
 
@@ -126,58 +99,20 @@ fn unit(v: Vec3) -> Vec3 {
     Vec3::from_array([x, y, z].map(|it| (it / length) as f32))
 }
 
-impl Sheet {
-    fn new(texture: &texture::Texture) -> Self {
-        match texture {
-            texture::Texture::Palette(it) => Self::Palette {
-                width: it.width,
-                height: it.height,
-                texels: it.texels.clone(),
-                palette: (it.palette.iter())
-                    .map(|&[red, green, blue]| Rgb888::new(red, green, blue))
-                    .collect(),
-            },
-            texture::Texture::High(it) => Self::High {
-                width: it.width,
-                height: it.height,
-                pixels: it.pixels.clone(),
-            },
-        }
-    }
-
-    fn note(&self, bits: &mut Vec<u32>) {
-        use embedded_graphics::pixelcolor::IntoStorage;
-        match self {
-            Self::Palette {
-                width,
-                height,
-                texels,
-                palette,
-            } => {
-                bits.extend([0, (*width).into(), (*height).into()]);
-                bits.extend(texels.iter().map(|&it| u32::from(it)));
-                bits.extend(palette.iter().map(|it| it.into_storage()));
-            }
-            Self::High {
-                width,
-                height,
-                pixels,
-            } => {
-                bits.extend([1, (*width).into(), (*height).into()]);
-                bits.extend(pixels.iter().map(|it| u32::from(it.into_storage())));
-            }
-        }
-    }
-}
-
 /// What an image shows in one place.
-fn shown(image: &impl Image, repeat: (f32, f32), filter: impl Filter, spot: &Spot) -> Vec3 {
-    let map = ImageMap {
-        image,
-        repeat,
-        filter,
-    };
-    map.at(spot)
+fn shown(image: &impl Image, repeat: (f32, f32), blend: bool, spot: &Spot) -> Vec3 {
+    fn by(image: &impl Image, repeat: (f32, f32), filter: impl Filter, spot: &Spot) -> Vec3 {
+        let map = ImageMap {
+            image,
+            repeat,
+            filter,
+        };
+        map.at(spot)
+    }
+    match blend {
+        true => by(image, repeat, Bilinear, spot),
+        false => by(image, repeat, Nearest, spot),
+    }
 }
 
 impl Varying for Paint {
@@ -190,42 +125,36 @@ impl Varying for Paint {
             Self::Plain(color) => *color,
             Self::Checker(it) => it.at(spot),
             Self::Stripes(it) => it.at(spot),
-            &Self::Image {
-                ref sheet,
+            Self::Image {
+                texture,
                 repeat,
                 blend,
-            } => match **sheet {
-                Sheet::Palette {
+            } => match &**texture {
+                Texture::Palette(Bitmap {
                     width,
                     height,
-                    ref texels,
-                    ref palette,
-                } => {
-                    let image = Texture {
-                        width,
-                        height,
+                    texels,
+                    palette,
+                }) => {
+                    let image = columns::Texture {
+                        width: *width,
+                        height: *height,
                         texels,
                         palette,
                     };
-                    match blend {
-                        true => shown(&image, repeat, Bilinear, spot),
-                        false => shown(&image, repeat, Nearest, spot),
-                    }
+                    shown(&image, *repeat, *blend, spot)
                 }
-                Sheet::High {
+                Texture::High(HighBitmap {
                     width,
                     height,
-                    ref pixels,
-                } => {
+                    pixels,
+                }) => {
                     let image = HighColor {
-                        width,
-                        height,
+                        width: *width,
+                        height: *height,
                         pixels,
                     };
-                    match blend {
-                        true => shown(&image, repeat, Bilinear, spot),
-                        false => shown(&image, repeat, Nearest, spot),
-                    }
+                    shown(&image, *repeat, *blend, spot)
                 }
             },
         }

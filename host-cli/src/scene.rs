@@ -178,7 +178,7 @@ pub(crate) fn color(rgb: [f64; 3]) -> Vec3 {
 }
 
 /// All of a material, as something to compare and to hash.
-fn bits(material: &Material) -> Vec<u32> {
+fn bits(material: &Material) -> Vec<usize> {
     let Absorbing {
         tint,
         ior,
@@ -201,7 +201,7 @@ fn bits(material: &Material) -> Vec<u32> {
         c,
     ];
     let mut bits = material.color.bits();
-    bits.extend(numbers.map(f32::to_bits));
+    bits.extend(numbers.map(|it| it.to_bits() as usize));
     bits
 }
 

@@ -7,8 +7,9 @@ use std::collections::BTreeSet;
 use whitted::{Absorbing, Checker, Glass, Mirror, Object, Phong, Stripes, Tinted, Vec3};
 
 use super::source::{WORD, number, vector};
-use crate::paint::{Paint, Sheet};
+use crate::paint::Paint;
 use crate::scene::{Material, is_simple};
+use crate::scene_file::texture::Texture;
 
 /// The terms that the materials of the objects have.
 #[derive(Default)]
@@ -37,8 +38,8 @@ impl ColorKind {
             Paint::Plain(_) => Self::Plain,
             Paint::Checker(_) => Self::Checker,
             Paint::Stripes(_) => Self::Stripes,
-            Paint::Image { sheet, blend, .. } => Self::Image {
-                high: matches!(**sheet, Sheet::High { .. }),
+            Paint::Image { texture, blend, .. } => Self::Image {
+                high: matches!(**texture, Texture::High(_)),
                 blend: *blend,
             },
         }
