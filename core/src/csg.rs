@@ -508,6 +508,7 @@ mod tests {
     use super::*;
     use crate::geometry::Objects;
     use crate::math::Exact;
+    use crate::random::vectors;
     use crate::ray::Hit;
     use crate::shape::cuboid::Cuboid;
     use crate::shape::plane::Plane;
@@ -569,22 +570,6 @@ mod tests {
             ray = hit.through(direction);
         }
         (met, count)
-    }
-
-    fn numbers() -> impl Iterator<Item = f32> {
-        let mut state = 5_u32;
-        core::iter::repeat_with(move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-        })
-    }
-
-    fn vectors() -> impl Iterator<Item = Vec3> {
-        let mut numbers = numbers();
-        core::iter::from_fn(move || {
-            let [x, y, z] = core::array::from_fn(|_| numbers.next().unwrap());
-            Some(v(x, y, z))
-        })
     }
 
     #[test]
@@ -732,7 +717,7 @@ mod tests {
         assert_eq!(all(handed, out, x).0[..2], [2, 2]);
         // Nothing is left of a thing without itself, or without more.
         let whole = die(Vec3::splat(-2.0), Vec3::splat(2.0));
-        let mut vectors = vectors();
+        let mut vectors = vectors(5);
         for _ in 0..10_000 {
             let origin = vectors.next().unwrap() * 4.0;
             let direction = Exact::normalize(vectors.next().unwrap());
@@ -797,7 +782,7 @@ mod tests {
     #[test]
     fn between_two_hits_a_ray_is_inside_or_outside() {
         let solid = planks(1.0);
-        let mut vectors = vectors();
+        let mut vectors = vectors(5);
         let mut met = 0;
         for _ in 0..20_000 {
             let origin = vectors.next().unwrap() * 6.0;
@@ -825,7 +810,7 @@ mod tests {
     #[test]
     fn what_leaves_a_face_does_not_meet_one_that_coincides() {
         let solid = planks(1.0);
-        let mut vectors = vectors();
+        let mut vectors = vectors(5);
         let (mut tops, mut holes) = (0, 0);
         for _ in 0..20_000 {
             let origin = vectors.next().unwrap() * 3.0 + Vec3::Y * 5.0;
@@ -863,7 +848,7 @@ mod tests {
     fn a_union_of_what_is_apart_has_the_bits_of_a_slice() {
         static BALLS: Objects<Sphere, u8> = &[ball(Vec3::X, 0.75), ball(Vec3::NEG_X, 0.5)];
         let solid = Csg::<_, 4>(Union(BALLS[0], BALLS[1]));
-        let mut vectors = vectors();
+        let mut vectors = vectors(5);
         for _ in 0..20_000 {
             let origin = vectors.next().unwrap() * 4.0;
             let direction = Exact::normalize(vectors.next().unwrap() - origin);
@@ -874,7 +859,7 @@ mod tests {
 
     #[test]
     fn bits_do_not_depend_on_the_scale() {
-        let mut vectors = vectors();
+        let mut vectors = vectors(5);
         for _ in 0..1_000 {
             let origin = vectors.next().unwrap() * 6.0;
             let direction = Exact::normalize(vectors.next().unwrap() - origin);

@@ -443,6 +443,7 @@ mod tests {
     use super::*;
     use crate::geometry::Object;
     use crate::math::Exact;
+    use crate::random::{numbers, vectors};
     use crate::ray::{Hit, Side};
     use crate::shape::cuboid::Cuboid;
     use crate::shape::sphere::Sphere;
@@ -471,23 +472,6 @@ mod tests {
 
     fn v(x: f32, y: f32, z: f32) -> Vec3 {
         Vec3::new(x, y, z)
-    }
-
-    /// Numbers that are spread evenly from -1 to 1, the same every time.
-    fn numbers() -> impl Iterator<Item = f32> {
-        let mut state = 1_u32;
-        core::iter::repeat_with(move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-        })
-    }
-
-    fn vectors() -> impl Iterator<Item = Vec3> {
-        let mut numbers = numbers();
-        core::iter::from_fn(move || {
-            let [x, y, z] = core::array::from_fn(|_| numbers.next().unwrap());
-            Some(v(x, y, z))
-        })
     }
 
     /// What a hit is, and that all queries say the same.
@@ -560,7 +544,7 @@ mod tests {
 
     #[test]
     fn faces_are_told_apart_however_distances_round() {
-        let mut vectors = vectors();
+        let mut vectors = vectors(1);
         let mut met = 0;
         for _ in 0..20_000 {
             let axes: [Vec3; 3] = core::array::from_fn(|_| vectors.next().unwrap() * 3.0);
@@ -600,7 +584,7 @@ mod tests {
 
     #[test]
     fn a_ray_ends_there_where_it_ends_here() {
-        let mut numbers = numbers();
+        let mut numbers = numbers(1);
         for _ in 0..100_000 {
             let [a, b] = core::array::from_fn(|_| numbers.next().unwrap().abs() + 1e-3);
             let (t_max, recip) = (a * 1e3, b * b);
@@ -618,7 +602,7 @@ mod tests {
     fn of_equal_instances_the_first_wins() {
         let place = |at| placed(BALL, [v(0.3, 0.1, 0.0), Vec3::Y, Vec3::Z], at);
         let pair = [place(Vec3::X), place(Vec3::X), place(Vec3::ZERO)];
-        let mut vectors = vectors();
+        let mut vectors = vectors(1);
         for _ in 0..10_000 {
             let origin = vectors.next().unwrap() * 9.0;
             let direction = Exact::normalize(vectors.next().unwrap() - origin);
@@ -660,7 +644,7 @@ mod tests {
 
     #[test]
     fn what_leaves_a_placed_surface_does_not_meet_it_again() {
-        let mut vectors = vectors();
+        let mut vectors = vectors(1);
         let (mut left, mut through) = (0, 0);
         for round in 0..20_000 {
             let size = [1.0, 1e-3, 1e3][round % 3];
@@ -702,7 +686,7 @@ mod tests {
     fn bits_do_not_depend_on_the_scale() {
         let axes = [v(0.7, 0.2, -0.1), v(0.1, -1.3, 0.4), v(-0.3, 0.2, 0.6)];
         let place = v(0.3, -0.2, -5.0);
-        let mut vectors = vectors();
+        let mut vectors = vectors(1);
         for _ in 0..2_000 {
             let origin = vectors.next().unwrap() * 3.0;
             let direction = Exact::normalize(vectors.next().unwrap() + Vec3::NEG_Z * 3.0);

@@ -76,6 +76,8 @@ pub mod math;
 pub mod maze;
 pub mod pattern;
 pub mod picture;
+#[cfg(test)]
+mod random;
 pub mod ray;
 pub mod scene;
 pub mod shape;
