@@ -19,12 +19,12 @@ use whitted::{
 
 use super::{Frame, Visitor, level_view};
 
-const VIEW: View = level_view(Vec3::new(0.0, 1.25, 3.0));
-const BACKGROUND: Vec3 = Vec3::new(0.25, 0.375, 0.5);
+pub(super) const VIEW: View = level_view(Vec3::new(0.0, 1.25, 3.0));
+pub(super) const BACKGROUND: Vec3 = Vec3::new(0.25, 0.375, 0.5);
 const AMBIENT: Vec3 = Vec3::ONE;
-const LIGHT: Vec3 = Vec3::new(4.0, 6.0, 3.0);
+pub(super) const LIGHT: Vec3 = Vec3::new(4.0, 6.0, 3.0);
 
-const BALLS: [Sphere; 3] = [
+pub(super) const BALLS: [Sphere; 3] = [
     Sphere {
         center: Vec3::new(-1.5, 0.75, -2.0),
         radius: 0.75,
@@ -38,7 +38,7 @@ const BALLS: [Sphere; 3] = [
         radius: 0.5,
     },
 ];
-const FLOOR: Plane = Plane {
+pub(super) const FLOOR: Plane = Plane {
     point: Vec3::ZERO,
     normal: Vec3::Y,
 };
@@ -261,7 +261,7 @@ const MATTE: Terms<(), (), ()> = Terms {
     opaque: (),
     clear: (),
 };
-const SHINY: Phong = Phong {
+pub(super) const SHINY: Phong = Phong {
     specular: 0.5,
     shininess: 30,
 };

@@ -10,36 +10,13 @@ use whitted::{
     Sphere, Stripes, Varying, View, pattern,
 };
 
-use super::{Visitor, level_view};
+use super::Visitor;
+use super::ladder::{BACKGROUND, BALLS, FLOOR, LIGHT, SHINY, VIEW};
 
-const VIEW: View = level_view(Vec3::new(0.0, 1.25, 3.0));
-const BACKGROUND: Vec3 = Vec3::new(0.25, 0.375, 0.5);
 static LIGHTS: [Light; 1] = [Light {
-    position: Vec3::new(4.0, 6.0, 3.0),
+    position: LIGHT,
     color: Vec3::ONE,
 }];
-const SHINY: Phong = Phong {
-    specular: 0.5,
-    shininess: 30,
-};
-const BALLS: [Sphere; 3] = [
-    Sphere {
-        center: Vec3::new(-1.5, 0.75, -2.0),
-        radius: 0.75,
-    },
-    Sphere {
-        center: Vec3::new(0.25, 1.0, -3.0),
-        radius: 1.0,
-    },
-    Sphere {
-        center: Vec3::new(1.0, 0.5, -1.0),
-        radius: 0.5,
-    },
-];
-const FLOOR: Plane = Plane {
-    point: Vec3::ZERO,
-    normal: Vec3::Y,
-};
 const DARK: Vec3 = Vec3::new(0.25, 0.25, 0.375);
 const PALE: Vec3 = Vec3::new(0.875, 0.875, 0.75);
 
