@@ -571,6 +571,23 @@ mod tests {
     }
 
     #[test]
+    fn materials_share_the_pixels_of_an_image() {
+        let text = "[texture.dot]\nrows = ['r']\ncolors = { r = [1, 0, 0] }\n\
+            [material.a]\nimage = { texture = 'dot' }\n\
+            [material.b]\nimage = { texture = 'dot' }\nambient = 0\n\
+            [material.c]\nimage = { texture = 'dot' }";
+        let file = toml::parse(Path::new("t.toml"), text).unwrap();
+        let pool = Pool::new(&file);
+        let textures = pool.materials().iter().map(|it| match &it.color {
+            Paint::Image { texture, .. } => std::sync::Arc::as_ptr(texture),
+            other => panic!("{other:?}"),
+        });
+        // The third is the first.
+        assert_eq!(textures.clone().count(), 2);
+        assert_eq!(textures.collect::<std::collections::HashSet<_>>().len(), 1);
+    }
+
+    #[test]
     fn impossible_shapes_and_cameras_are_errors_at_their_place() {
         let shape = |fields: &str| format!("[material.a]\n[[{fields}\nmaterial = 'a'");
         let placed = |instances: &str| {
