@@ -7,7 +7,7 @@ use whitted::columns::Texture;
 use whitted::pattern::Bilinear;
 use whitted::{
     Absorbing, Checker, ImageMap, Light, Material, Mirror, Object, Objects, Phong, Plane, Scene,
-    Sphere, Stripes, Varying, View, pattern,
+    Sphere, Stripes, Varying, pattern,
 };
 
 use super::Visitor;
