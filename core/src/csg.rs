@@ -334,14 +334,15 @@ impl<E: Expression, const N: usize> Csg<E, N> {
     }
 
     /// Calls `visit` with the distances at which the ray, without end, crosses the surface, in order, and
-    /// the leaves that are met, and whether it enters; until it is true.
+    /// the leaves that are met, and whether it enters; until it is true. The leaves that the ray then stays
+    /// in for good, if that is inside of the whole: a bit each.
     #[inline]
     fn surfaces<P: Math>(
         &self,
         ray: &Ray,
         first: usize,
         mut visit: impl FnMut(f32, usize, bool) -> bool,
-    ) {
+    ) -> u32 {
         const {
             assert!(E::LEAVES <= 32, "an expression has at most 32 leaves");
             assert!(
@@ -418,9 +419,10 @@ impl<E: Expression, const N: usize> Csg<E, N> {
             if let Some(met) = met.min_by_key(|it| it.leaf)
                 && visit(met.t, met.leaf.into(), enters)
             {
-                return;
+                return 0;
             }
         }
+        if self.0.contains(inside) { inside } else { 0 }
     }
 }
 
@@ -478,8 +480,8 @@ impl<E: Expression, const N: usize> Geometry for Csg<E, N> {
     where
         E::Material: Finish,
     {
-        let (mut ends, mut entry) = (false, 0.0);
-        self.surfaces::<P>(ray, first, |t, leaf, enters| {
+        let (mut ends, mut entry, mut entered) = (false, 0.0, None);
+        let inside = self.surfaces::<P>(ray, first, |t, leaf, enters| {
             let is_beyond = t >= ray.t_max;
             // What a ray leaves tells what it went through.
             let inside = match enters {
@@ -487,13 +489,22 @@ impl<E: Expression, const N: usize> Geometry for Csg<E, N> {
                 false if is_beyond => ray.t_max - entry,
                 false => t - entry,
             };
-            entry = t;
+            (entry, entered) = (t, Some(leaf));
             if let Some((_, material)) = self.0.surface::<P>(ray, t, leaf) {
                 let times = ray.admits(t) as u32;
                 ends = light.pass(material.transmission(), times, || inside);
             }
             ends || is_beyond
         });
+        // What has no end, a half-space, is not left: there it is what the ray entered by, or what it is in.
+        let is_in = |leaf: &usize| inside >> leaf & 1 == 1 && !self.0.flips(*leaf);
+        let held = || (0..self.0.leaves()).find(is_in);
+        if inside != 0
+            && let Some(leaf) = entered.or_else(held)
+            && let Some((_, material)) = self.0.surface::<P>(ray, entry, leaf)
+        {
+            ends = light.pass(material.transmission(), 0, || ray.t_max - entry);
+        }
         ends
     }
 
@@ -873,6 +884,54 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn media_without_end_absorb_up_to_where_a_ray_ends() {
+        use crate::material::{Absorbing, Material};
+        use crate::math::{Attenuation, Transmittances};
+        let water = |color| Material {
+            color: Vec3::ONE,
+            ambient: 0.0,
+            diffuse: 0.0,
+            highlight: (),
+            reflection: (),
+            transmission: Absorbing {
+                tint: Vec3::ONE,
+                ior: 1.0,
+                absorption: color,
+            },
+        };
+        let (red, green) = (water(Vec3::X), water(Vec3::Y));
+        let below = |y: f32, material| Object {
+            shape: Plane {
+                point: Vec3::Y * y,
+                normal: Vec3::Y,
+            },
+            material,
+        };
+        fn passed(solid: impl Geometry<Material: Finish>, from: f32, to: f32) -> Vec3 {
+            let ray = Ray {
+                t_max: (to - from).abs(),
+                ..Ray::new(Vec3::Y * from, Vec3::Y * (to - from).signum())
+            };
+            let mut light = Transmittances::default();
+            assert!(!solid.absorbs::<Exact, _>(&ray, 0, Candidates::ALL, &mut light));
+            light.share()
+        }
+        let near = |a: Vec3, b: Vec3| assert!((a - b).abs().max_element() < 1e-6, "{a} {b}");
+        let left = |x: f32, y: f32| v((-x).exp(), (-y).exp(), 1.0);
+        // Down into it, up out of it, and to and fro in it.
+        let sea = Csg::<_, 2>(Intersection(below(0.0, &red), below(1.0, &green)));
+        near(passed(&sea, 2.0, -1.5), left(1.5, 0.0));
+        near(passed(&sea, -1.5, 2.0), left(1.5, 0.0));
+        near(passed(&sea, -1.0, -3.0), left(2.0, 0.0));
+        near(passed(&sea, -3.0, -1.0), left(2.0, 0.0));
+        near(passed(&sea, 3.0, 0.5), left(0.0, 0.0));
+        // What is taken away has no share where no ray crosses its surface.
+        let sea = Csg::<_, 2>(Difference(below(0.0, &red), below(-4.0, &green)));
+        near(passed(&sea, -3.0, -1.0), left(2.0, 0.0));
+        near(passed(&sea, -6.0, -5.0), left(0.0, 0.0));
     }
 
     #[test]
