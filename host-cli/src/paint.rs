@@ -60,6 +60,19 @@ impl Paint {
         }
     }
 
+    /// The same where images count lengths, which are cast at this scale.
+    pub(crate) fn on_flat(&self, scale: Scale) -> Self {
+        let mut paint = self.clone();
+        if let Self::Image { repeat, .. } = &mut paint {
+            let (across, along) = *repeat;
+            *repeat = (
+                scale.per_length(across.into()),
+                scale.per_length(along.into()),
+            );
+        }
+        paint
+    }
+
     /// The color, if it is the same everywhere.
     pub fn plain(&self) -> Option<Vec3> {
         match self {

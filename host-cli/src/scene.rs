@@ -109,8 +109,9 @@ pub struct Pool {
     scale: Scale,
     /// Different ones only.
     materials: Vec<Material>,
-    /// For each material of the file, which of these it is.
-    material_of: Vec<usize>,
+    /// For each material of the file, which of these it is: on most shapes, and on flat ones, on which
+    /// images count lengths.
+    material_of: Vec<[usize; 2]>,
     vertices: Vec<Vec3>,
     /// For each object of the file that is a polygon, in order, where its vertices end.
     ends: Vec<usize>,
@@ -130,11 +131,16 @@ impl Pool {
         let mut known = HashMap::new();
         for material in &file.materials {
             let material = self::material(material, scale);
-            let index = *known.entry(bits(&material)).or_insert_with(|| {
-                pool.materials.push(material);
-                pool.materials.len() - 1
-            });
-            pool.material_of.push(index);
+            let flat = Material {
+                color: material.color.on_flat(scale),
+                ..material.clone()
+            };
+            pool.material_of.push([material, flat].map(|it| {
+                *known.entry(bits(&it)).or_insert_with(|| {
+                    pool.materials.push(it);
+                    pool.materials.len() - 1
+                })
+            }));
         }
         for object in file.all_objects() {
             if let Shape::Polygon { vertices } = &object.shape {
@@ -436,14 +442,9 @@ impl<'a> Content<'a> {
         let scale = pool.scale;
         let mut origins: [Vec<&'a scene_file::Object>; 9] = Default::default();
         for object in objects {
-            let material = &pool.materials[pool.material_of[object.material]];
             let place = object.place;
             let flat = matches!(object.shape, Shape::Plane { .. } | Shape::Polygon { .. });
-            if scale.exponent != 0 && flat && matches!(material.color, Paint::Image { .. }) {
-                let problem = "an image on a plane or a polygon counts lengths: they must lie \
-                               between 2^-16 and 2^16";
-                return Err((place, Problem::Contradiction(problem)));
-            }
+            let material = &pool.materials[pool.material_of[object.material][usize::from(flat)]];
             let kind = match object.shape {
                 Shape::Sphere { center, radius } => {
                     let shape = Sphere::new(scale.point(center), scale.length(radius))
@@ -558,9 +559,10 @@ fn leaf<'a>(object: &'a scene_file::Object, pool: &'a Pool) -> Result<Leaf<'a>, 
 mod tests {
     use std::path::Path;
 
+    use whitted::pattern::Spot;
     use whitted::{
         CameraError, CuboidError, FrustumError, Geometry, PatchError, PlacementError, PlaneError,
-        PolygonError, QuadricError, SphereError, TorusError,
+        PolygonError, QuadricError, Ray, SphereError, TorusError, Varying,
     };
 
     use super::*;
@@ -568,6 +570,45 @@ mod tests {
 
     fn nff_file(text: &str) -> SceneFile {
         nff::parse(Path::new("t.nff"), text.as_bytes()).unwrap()
+    }
+
+    #[test]
+    fn images_on_planes_count_lengths_at_every_scale() {
+        let text = |exponent: i32| {
+            let length = |it: f64| it * 2_f64.powi(exponent);
+            let (x, size, copies) = (length(7.0), length(3.0), 2_f64.powi(-exponent) / 3.0);
+            format!(
+                "[texture.pair]\nrows = ['rg', 'gr']\ncolors = {{ r = [1, 0, 0], g = [0, 1, 0] }}\n\
+                 [material.a]\nimage = {{ texture = 'pair', repeat = [{copies}, {copies}] }}\n\
+                 [[plane]]\nmaterial = 'a'\npoint = [{x}, {size}, 0]\nnormal = [0, 1, 0.5]\n\
+                 [material.b]\nimage = {{ texture = 'pair', repeat = [3, 3] }}\n\
+                 [[sphere]]\nmaterial = 'b'\ncenter = [0, 0, 0]\nradius = {size}"
+            )
+        };
+        let colors = |exponent| {
+            let file = toml::parse(Path::new("t.toml"), &text(exponent)).unwrap();
+            let (scale, pool) = (file.scale(), Pool::new(&file));
+            assert_eq!(scale.exponent == 0, exponent == 0);
+            let scene = HostScene::new(&file, &pool).unwrap();
+            let geometry = scene.geometry();
+            let color = |i: i32| {
+                let at = |it: i32| f64::from(it * 7 % 23) * 2_f64.powi(exponent);
+                let origin = scale.point([at(i), 50.0 * 2_f64.powi(exponent), at(i / 3)]);
+                let hit = geometry
+                    .closest_hit(&Ray::new(origin, Vec3::NEG_Y))
+                    .unwrap();
+                hit.material.color.at(&Spot {
+                    point: hit.point,
+                    outward: hit.normal,
+                    uv: geometry.uv(hit.point, hit.object, 0),
+                })
+            };
+            (0..200).map(color).collect::<Vec<_>>()
+        };
+        let expected = colors(0);
+        assert!(expected.contains(&Vec3::X) && expected.contains(&Vec3::Y));
+        assert_eq!(colors(90), expected);
+        assert_eq!(colors(-90), expected);
     }
 
     #[test]
@@ -694,13 +735,6 @@ mod tests {
             (
                 placed("[[instance]]\nof = 'a'\nscale = [1, 1e30, 1]"),
                 Problem::Placement(PlacementError::Range),
-            ),
-            (
-                placed(
-                    "[[group.b.instance]]\nof = 'a'\nscale = 1e30\n\
-                     [[instance]]\nof = 'b'\nscale = 1e30",
-                ),
-                Problem::Placement(PlacementError::NotFinite),
             ),
             (
                 camera("eye = [1, 2, 3]\ntarget = [1, 2, 3]\nfov = 30"),

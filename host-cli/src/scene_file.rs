@@ -321,6 +321,24 @@ impl Shape {
 }
 
 impl SceneFile {
+    /// An error where what a pattern repeats vanishes, or has no end, at the scale at which the scene is cast.
+    fn check_patterns(&self) -> Result<(), Located> {
+        let scale = self.scale();
+        for material in &self.materials {
+            let (Some(Pattern::Checker { size, .. }) | Some(Pattern::Stripes { size, .. })) =
+                material.pattern
+            else {
+                continue;
+            };
+            let cast = scale.length(size);
+            if !(cast > 0.0 && cast.is_finite()) {
+                let problem = "what a pattern repeats is out of all proportion to the scene";
+                return Err((material.place, Problem::Contradiction(problem)));
+            }
+        }
+        Ok(())
+    }
+
     /// A scene of nothing, with the defaults of both formats.
     pub(crate) fn empty(path: &Path) -> Self {
         Self {

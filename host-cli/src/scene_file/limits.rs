@@ -18,6 +18,8 @@ pub const INSTANCES: usize = 1 << 16;
 pub const MATERIALS: usize = 1 << 20;
 /// Most textures.
 pub const TEXTURES: usize = 1 << 12;
+/// Most pixels of all textures together.
+pub const TEXELS: usize = 1 << 26;
 /// Most lights.
 pub const LIGHTS: usize = 1 << 12;
 /// Most corners of a polygon.

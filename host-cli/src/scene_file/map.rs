@@ -86,8 +86,6 @@ pub struct Player {
 const PLAN_SIDE: usize = 4096;
 /// Most kinds of walls: what a byte tells.
 const WALLS: usize = 255;
-/// Most textures.
-const TEXTURES: usize = 4096;
 /// Most sprites.
 pub const SPRITES: usize = 256;
 #[derive(Deserialize)]
@@ -221,14 +219,14 @@ impl Reader<'_> {
                 Err((check.start(name), Problem::UnknownMaterial(name_there)))
             }
         };
-        let mut textures = Vec::new();
+        let (mut textures, mut allowed) = (Vec::new(), limits::TEXELS);
         let mut texture_names = Names::new();
         for (name, fields) in in_order(&document.texture) {
-            if textures.len() == TEXTURES {
-                return Err((check.start(name), too_many("textures", TEXTURES)));
+            if textures.len() == limits::TEXTURES {
+                return Err((check.start(name), too_many("textures", limits::TEXTURES)));
             }
             texture_names.insert(name.get_ref().clone(), textures.len());
-            textures.push(fields.palette(check, self.folder, name)?);
+            textures.push(fields.palette(check, self.folder, name, &mut allowed)?);
         }
         let texture = |name: &Spanned<String>| {
             let place = texture_names.get(name.get_ref()).copied();

@@ -7,7 +7,7 @@ use ::toml::Spanned;
 use embedded_graphics::pixelcolor::{Rgb565, Rgb888};
 use serde::Deserialize;
 
-use super::limits::Range;
+use super::limits::{self, Range};
 use super::toml::{Checker, Point, too_many};
 use super::{Located, Problem};
 use crate::picture::Picture;
@@ -77,14 +77,16 @@ struct Pixels<'a> {
 }
 
 impl TextureFields {
-    /// What is to be laid over surfaces. Black where it is transparent.
+    /// What is to be laid over surfaces. Black where it is transparent. Takes its pixels from those that the
+    /// file may have.
     pub(super) fn read(
         &self,
         check: &Checker<'_>,
         folder: &Path,
         name: &Spanned<String>,
+        allowed: &mut usize,
     ) -> Result<Texture, Located> {
-        let (place, pixels) = self.pixels(check, folder, name)?;
+        let (place, pixels) = self.pixels(check, folder, name, allowed)?;
         match Bitmap::new(&pixels) {
             Err(Problem::TooMany { limit: COLORS, .. }) => {
                 Ok(Texture::High(HighBitmap::new(&pixels)))
@@ -95,14 +97,15 @@ impl TextureFields {
         }
     }
 
-    /// What a map's wall or sprite shows.
+    /// What a map's wall or sprite shows; `allowed` as for [`read`](Self::read).
     pub(super) fn palette(
         &self,
         check: &Checker<'_>,
         folder: &Path,
         name: &Spanned<String>,
+        allowed: &mut usize,
     ) -> Result<Bitmap, Located> {
-        let (place, pixels) = self.pixels(check, folder, name)?;
+        let (place, pixels) = self.pixels(check, folder, name, allowed)?;
         Bitmap::new(&pixels).map_err(|problem| (place, problem))
     }
 
@@ -111,15 +114,26 @@ impl TextureFields {
         check: &Checker<'_>,
         folder: &Path,
         name: &Spanned<String>,
+        allowed: &mut usize,
     ) -> Result<(super::Place, Pixels<'static>), Located> {
-        match (&self.file, &self.rows) {
-            (Some(file), None) => Ok((check.start(file), Self::of_file(check, folder, file)?)),
-            (None, Some(rows)) => Ok((check.start(rows), self.of_rows(check, rows)?)),
+        let (place, pixels) = match (&self.file, &self.rows) {
+            (Some(file), None) => (check.start(file), Self::of_file(check, folder, file)?),
+            (None, Some(rows)) => (check.start(rows), self.of_rows(check, rows)?),
             _ => {
                 let problem = "a texture has either `file` or `rows`";
-                Err((check.start(name), Problem::Contradiction(problem)))
+                return Err((check.start(name), Problem::Contradiction(problem)));
             }
+        };
+        if pixels.width.max(pixels.height) > TEXTURE_SIDE {
+            return Err((
+                place,
+                too_many("pixels to a side of a texture", TEXTURE_SIDE),
+            ));
         }
+        let left = allowed.checked_sub(pixels.width * pixels.height);
+        *allowed =
+            left.ok_or_else(|| (place, too_many("pixels in all textures", limits::TEXELS)))?;
+        Ok((place, pixels))
     }
 
     fn of_file(
@@ -201,12 +215,9 @@ fn to_bytes(color: [f64; 3]) -> [u8; 3] {
 }
 
 impl Bitmap {
-    /// Of pixels, `None` where they are transparent.
+    /// Of pixels, `None` where they are transparent; [`TEXTURE_SIDE`] to a side at most.
     fn new(pixels: &Pixels<'_>) -> Result<Self, Problem> {
         let Pixels { width, height, .. } = *pixels;
-        if width.max(height) > TEXTURE_SIDE {
-            return Err(too_many("pixels to a side of a texture", TEXTURE_SIDE));
-        }
         let mut bitmap = Self {
             width: width as u16,
             height: height as u16,

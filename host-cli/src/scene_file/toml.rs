@@ -82,6 +82,19 @@ impl<'a> Places<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Number(f64);
 
+/// A [`Visitor`]'s methods for numbers of all sizes.
+macro_rules! visit_numbers {
+    ($value:ty, $new:expr) => {
+        visit_numbers!(@ $value, $new, visit_f64 f64, visit_i64 i64, visit_u64 u64, visit_i128 i128,
+            visit_u128 u128);
+    };
+    (@ $value:ty, $new:expr, $($method:ident $number:ty),*) => {
+        $(fn $method<E>(self, number: $number) -> Result<$value, E> {
+            Ok($new(number as f64))
+        })*
+    };
+}
+
 impl<'de> Deserialize<'de> for Number {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct NumberVisitor;
@@ -93,25 +106,7 @@ impl<'de> Deserialize<'de> for Number {
                 f.write_str("a number")
             }
 
-            fn visit_f64<E>(self, number: f64) -> Result<Number, E> {
-                Ok(Number(number))
-            }
-
-            fn visit_i64<E>(self, number: i64) -> Result<Number, E> {
-                Ok(Number(number as f64))
-            }
-
-            fn visit_u64<E>(self, number: u64) -> Result<Number, E> {
-                Ok(Number(number as f64))
-            }
-
-            fn visit_i128<E>(self, number: i128) -> Result<Number, E> {
-                Ok(Number(number as f64))
-            }
-
-            fn visit_u128<E>(self, number: u128) -> Result<Number, E> {
-                Ok(Number(number as f64))
-            }
+            visit_numbers!(Number, Number);
         }
 
         deserializer.deserialize_any(NumberVisitor)
@@ -282,13 +277,7 @@ impl<'de> Deserialize<'de> for Factors {
                 f.write_str("a number or three numbers")
             }
 
-            fn visit_f64<E>(self, number: f64) -> Result<Factors, E> {
-                Ok(Factors([Number(number); 3]))
-            }
-
-            fn visit_i64<E>(self, number: i64) -> Result<Factors, E> {
-                Ok(Factors([Number(number as f64); 3]))
-            }
+            visit_numbers!(Factors, |number| Factors([Number(number); 3]));
 
             fn visit_seq<A: SeqAccess<'de>>(self, numbers: A) -> Result<Factors, A::Error> {
                 let numbers = SeqAccessDeserializer::new(numbers);
@@ -1015,9 +1004,9 @@ impl Document {
             return Err((place, too_many("textures", limits::TEXTURES)));
         }
         let folder = file.path.parent().unwrap_or(Path::new(""));
-        let mut textures = Vec::new();
+        let (mut textures, mut allowed) = (Vec::new(), limits::TEXELS);
         for (name, fields) in in_order(&self.texture) {
-            let texture = fields.read(check, folder, name)?;
+            let texture = fields.read(check, folder, name, &mut allowed)?;
             textures.push((name.get_ref().as_str(), Arc::new(texture)));
         }
         let mut names = HashMap::new();
@@ -1063,7 +1052,7 @@ impl Document {
         }
         let top = check.instances(&self.instance, &places)?;
         file.instances = placed(&file.groups, &within, top)?;
-        Ok(())
+        file.check_patterns()
     }
 }
 
@@ -1187,6 +1176,10 @@ fn placed(
         let outer = (it.axes, it.translation);
         for inner in within[it.group].iter().rev() {
             let (axes, translation) = solid::compose(outer, (inner.axes, inner.translation));
+            for &number in axes.as_flattened().iter().chain(&translation) {
+                let what = "a number of a placement in a placement";
+                Range::Length.check(what, number).map_err(at(top))?;
+            }
             let inner = Instance {
                 axes,
                 translation,
@@ -1401,8 +1394,7 @@ impl MaterialFields {
         };
         let size = |number: &Real| {
             let size = check.length("the size", number)?;
-            // As it is cast.
-            if size as f32 > 0.0 {
+            if size > 0.0 {
                 return Ok(size);
             }
             let problem = "what a pattern repeats is larger than 0";
@@ -1580,6 +1572,12 @@ mod tests {
                 "4:9: a factor is inf: not a finite 32-bit float",
             ),
             (
+                "[group.b]\n[[group.c.instance]]\nof = 'b'\nscale = 1e30\n\
+                 [[instance]]\nof = 'c'\nscale = 1e30"
+                    .to_owned(),
+                "5:1: a number of a placement in a placement is 1.0000000000000001e60: not a finite 32-bit float",
+            ),
+            (
                 "[group.b]\n[[instance]]\nof = 'b'\nrotate = [0, nan, 0]".to_owned(),
                 "4:10: an angle is NaN: not a finite 32-bit float",
             ),
@@ -1732,6 +1730,27 @@ mod tests {
     }
 
     #[test]
+    fn textures_share_the_pixels_that_a_file_may_have() {
+        let text = "[texture.a]\nrows = ['rr', 'rr']\n[texture.b]\nrows = ['r']";
+        let document: Document = ::toml::from_str(text).unwrap();
+        let places = Places::new(text);
+        let check = Checker { places: &places };
+        let mut allowed = 5;
+        for ((name, fields), left) in in_order(&document.texture).into_iter().zip([1, 0]) {
+            let read = fields.read(&check, Path::new(""), name, &mut allowed);
+            assert!(read.is_ok() && allowed == left);
+        }
+        let (name, fields) = in_order(&document.texture)[1];
+        let (place, problem) = fields
+            .read(&check, Path::new(""), name, &mut allowed)
+            .unwrap_err();
+        assert_eq!(
+            format!("{place}: {problem}"),
+            "4:8: more than 67108864 pixels in all textures"
+        );
+    }
+
+    #[test]
     fn errors_name_the_place_and_the_reason() {
         let camera = |fields: &str| format!("[camera]\neye = [0, 0, 1]\n{fields}");
         let shape = |kind: &str, fields: &str| format!("[[{kind}]]\nmaterial = 'a'\n{fields}");
@@ -1808,8 +1827,19 @@ mod tests {
                 "1:11: a material has one of `color`, `checker`, `stripes` and `image`",
             ),
             (
-                "[material.a]\nchecker = { colors = [[0, 0, 0], [1, 1, 1]], size = 1e-60 }",
+                "[material.a]\nchecker = { colors = [[0, 0, 0], [1, 1, 1]], size = 0 }",
                 "2:53: what a pattern repeats is larger than 0",
+            ),
+            (
+                "[material.a]\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size = 1e-30 }\n\
+                 [[sphere]]\nmaterial = 'a'\ncenter = [0, 0, 0]\nradius = 1e30",
+                "1:11: what a pattern repeats is out of all proportion to the scene",
+            ),
+            (
+                "[material.a]\nstripes = { colors = [[1, 1, 1], [0, 0, 0]], \
+                 direction = [1, 0, 0], size = 1e30 }\n\
+                 [[sphere]]\nmaterial = 'a'\ncenter = [0, 0, 0]\nradius = 1e-30",
+                "1:11: what a pattern repeats is out of all proportion to the scene",
             ),
             (
                 "[material.a]\nchecker = { colors = [[0, 0, 0], [1, 1, -1]], size = 1 }",
