@@ -57,6 +57,7 @@ macro_rules! with_tree {
 mod across;
 #[cfg(test)]
 mod agreement;
+mod around;
 mod beams;
 mod blocks;
 mod bounds;
@@ -84,6 +85,8 @@ use whitted::{Candidates, Departure, Exact, Finish, Geometry, Math, Ray, Side, V
 
 pub use parts::{Kinds, Slice};
 
+use across::Few;
+use beams::Beams;
 use nodes::is_regular;
 use parts::Parts;
 use rays::INVERTIBLE;
@@ -100,6 +103,8 @@ pub struct Wide<'a, M> {
     /// Whether the lanes take every ray.
     takes_any_ray: bool,
     has_cuboids: bool,
+    /// Where all objects are tested, and lanes give the kernels' own answer about all.
+    few: Option<Few<'a, M>>,
 }
 
 /// A tree, and the instructions that it is for.
@@ -137,7 +142,10 @@ impl<'a, M: Finish> Wide<'a, M> {
         let (items, loose) = blocks::items(&parts);
         let tree = AnyTree::new(&parts, items, level, flat);
         let about = tree.about();
+        let all_tested = matches!(about.search, Search::Spheres | Search::Blocks);
+        let few = all_tested && loose.len() == parts.planes.objects.len() && parts.len() < 1 << 24;
         Self {
+            few: few.then(|| Few::new(&parts)),
             parts,
             loose,
             search: about.search,
@@ -271,11 +279,18 @@ impl<M> Wide<'_, M> {
             || left != u32::MAX && !self.parts.is_left_for_good(left as usize, side)
     }
 
-    /// Whether all objects are tested, and lanes give the kernels' own answer about all.
-    fn has_few(&self) -> bool {
-        matches!(self.search, Search::Spheres | Search::Blocks)
-            && self.loose.len() == self.parts.planes.objects.len()
-            && self.parts.len() < 1 << 24
+    /// A bit a lane: which rays may meet the object again that they leave.
+    #[inline(always)]
+    fn returning<const N: usize>(&self, beams: &Beams<N>) -> u32 {
+        if beams.left == [u32::MAX; N] {
+            return 0;
+        }
+        (0..N).fold(0, |returning, lane| {
+            let left = beams.left[lane];
+            let returns =
+                left != u32::MAX && !(self.parts).is_left_for_good(left as usize, beams.side(lane));
+            returning | u32::from(returns) << lane
+        })
     }
 
     /// These objects, each once.

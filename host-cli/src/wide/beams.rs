@@ -1,6 +1,6 @@
 //! As many rays as a vector has lanes, a row a number.
 
-use fearless_simd::Simd;
+use fearless_simd::{Simd, SimdBase, SimdInterleaved, f32x4};
 use whitted::{Departure, Ray, Side, Vec3};
 
 use super::lanes::{Lanes, Vectors};
@@ -64,21 +64,56 @@ impl<const N: usize> Beams<N> {
     /// Takes up to `N` rays, and says which lanes have one. Rays that leave none of the `len` objects leave
     /// none.
     #[inline(always)]
-    pub fn take(&mut self, rays: &[Ray], len: usize) -> u32 {
-        self.inward = 0;
-        for (lane, ray) in rays.iter().enumerate().take(N) {
-            self.origin.set(lane, ray.origin);
-            self.direction.set(lane, ray.direction);
-            self.end[lane] = ray.t_max;
-            self.left[lane] = u32::MAX;
-            if let Some(departure) = ray.departure
-                && departure.object < len
-            {
-                self.left[lane] = departure.object as u32;
-                self.inward |= u32::from(departure.side == Side::Inside) << lane;
+    pub fn take<S: Simd, V: Lanes<S>>(&mut self, simd: S, rays: &[Ray], len: usize) -> u32 {
+        let padded;
+        let all: &[Ray; N] = match rays.first_chunk() {
+            Some(all) => all,
+            None => {
+                padded = core::array::from_fn(|lane| rays[lane.min(rays.len() - 1)]);
+                &padded
+            }
+        };
+        // Numbers that lie together go together, by four; rows become whole before they are stored, as
+        // number by number they could not be loaded before the last had arrived.
+        let mut rows = [[0.0; N]; 7];
+        for (four, rays) in all.as_chunks::<4>().0.iter().enumerate() {
+            let place = 4 * four..4 * four + 4;
+            let [x, y, z, dx] = columns(simd, rays, |ray| {
+                let (o, d) = (ray.origin, ray.direction);
+                [o.x, o.y, o.z, d.x]
+            });
+            let [_, dy, dz, end] = columns(simd, rays, |ray| {
+                let d = ray.direction;
+                [d.x, d.y, d.z, ray.t_max]
+            });
+            for (row, four) in rows.iter_mut().zip([x, y, z, dx, dy, dz, end]) {
+                four.store_slice(&mut row[place.clone()]);
             }
         }
-        u32::MAX >> (32 - rays.len().clamp(1, N))
+        let [x, y, z, dx, dy, dz, end] = rows.map(|row| V::from_slice(simd, &row));
+        self.origin.store(Vectors { x, y, z });
+        self.direction.store(Vectors {
+            x: dx,
+            y: dy,
+            z: dz,
+        });
+        end.store_slice(&mut self.end);
+        self.left = [u32::MAX; N];
+        self.inward = 0;
+        let leaves = all
+            .iter()
+            .fold(false, |any, ray| any | ray.departure.is_some());
+        if leaves {
+            for (lane, ray) in all.iter().enumerate() {
+                if let Some(departure) = ray.departure
+                    && departure.object < len
+                {
+                    self.left[lane] = departure.object as u32;
+                    self.inward |= u32::from(departure.side == Side::Inside) << lane;
+                }
+            }
+        }
+        u32::MAX >> (32 - rays.len().min(N))
     }
 
     /// On which side a lane's ray leaves the object that it leaves.
@@ -105,6 +140,14 @@ impl<const N: usize> Beams<N> {
             departure: (self.left[lane] != u32::MAX).then_some(departure),
         }
     }
+}
+
+/// Four numbers of each of four rays, a number a vector.
+#[inline(always)]
+fn columns<S: Simd>(simd: S, rays: &[Ray; 4], numbers: impl Fn(&Ray) -> [f32; 4]) -> [f32x4<S>; 4] {
+    let [a, b, c, d] = rays;
+    let rows = [numbers(a), numbers(b), numbers(c), numbers(d)];
+    f32x4::load_four_interleaved(simd, rows.as_flattened())
 }
 
 /// The lanes of a set, the least first.

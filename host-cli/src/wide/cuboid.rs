@@ -163,3 +163,33 @@ pub fn meet_rays<S: Simd, V: Lanes<S>>(
         met: met & entry.simd_le(exit) & t.simd_gt(zero) & t.simd_lt(limit),
     }
 }
+
+/// As `Cuboid::normal`, a ray a lane; of rays that meet the box at `t`.
+#[inline(always)]
+pub fn normals<S: Simd, V: Lanes<S>>(
+    simd: S,
+    shape: &Cuboid,
+    terms: &Terms<V, V::Mask>,
+    t: V,
+) -> Vectors<V> {
+    let (zero, one) = (V::simd_from(simd, 0.0), V::simd_from(simd, 1.0));
+    let (o, d, r) = (terms.origin, terms.direction, terms.reciprocal);
+    let to_min = (Vectors::splat(simd, shape.min) - o) * r;
+    let to_max = (Vectors::splat(simd, shape.max) - o) * r;
+    let on = |near: V, far: V, d: V| {
+        let turned = !d.simd_eq(zero);
+        (near.simd_eq(t) & turned, far.simd_eq(t) & turned)
+    };
+    let (left, right) = on(to_min.x, to_max.x, d.x);
+    let (bottom, top) = on(to_min.y, to_max.y, d.y);
+    let (back, _) = on(to_min.z, to_max.z, d.z);
+    // The first that is met, or the last.
+    let face = |lower: V::Mask, upper: V| lower.select(-one, upper);
+    let sideways = left | right;
+    let upright = !sideways & (bottom | top);
+    Vectors {
+        x: face(left, right.select(one, zero)),
+        y: upright.select(face(bottom, one), zero),
+        z: (sideways | upright).select(zero, face(back, one)),
+    }
+}

@@ -58,14 +58,15 @@ pub fn rows<L: LightSource + Copy>(
     counters
 }
 
-/// As [`Geometry::closest_hit`] of each ray; fastest where neighbours go about the same way.
+/// As [`Geometry::closest_hit`] of each ray; fastest where neighbours go about the same way. Calls `meet`
+/// with the index of each ray that hits anything, and its hit, in order.
 pub fn closest_hits<'a>(
     geometry: &'a Wide<'_, Material>,
     rays: &[Ray],
-    hits: &mut [Option<Hit<'a, Material>>],
+    mut meet: impl FnMut(usize, Hit<'a, Material>),
 ) {
     with_tree!(&geometry.tree, |tree, simd| each_hit(
-        simd, tree, geometry, rays, hits
+        simd, tree, geometry, rays, &mut meet
     ));
 }
 
@@ -75,28 +76,33 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
     tree: &'a Tree<N>,
     geometry: &'a Wide<'_, Material>,
     rays: &[Ray],
-    hits: &mut [Option<Hit<'a, Material>>],
+    meet: &mut impl FnMut(usize, Hit<'a, Material>),
 ) where
     Tree<N>: Vector<S, Lanes = V>,
 {
     let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
-    for (rays, hits) in rays.chunks(N).zip(hits.chunks_mut(N)) {
-        let active = group.beams.take(rays, geometry.len());
+    for (first, rays) in (0..).step_by(N).zip(rays.chunks(N)) {
+        let active = group.beams.take::<S, V>(simd, rays, geometry.len());
         let hit = group.nearest(simd, active, false);
-        group.surfaces(simd, hit);
+        if hit == 0 {
+            continue;
+        }
+        group.surfaces(simd);
         let found = &group.hits;
-        for (lane, to) in hits.iter_mut().enumerate() {
-            *to = match found.material[lane] {
-                Some(material) if hit >> lane & 1 != 0 => Some(Hit {
-                    t: found.t[lane],
-                    point: found.point.get(lane),
-                    normal: found.normal.get(lane),
-                    front: found.front >> lane & 1 != 0,
-                    object: found.object[lane] as usize,
-                    material,
-                }),
-                _ => None,
+        for lane in Set(hit) {
+            // Every hit is of an object.
+            let Some(material) = found.material[lane] else {
+                continue;
             };
+            let hit = Hit {
+                t: found.t[lane],
+                point: found.point.get(lane),
+                normal: found.normal.get(lane),
+                front: found.front >> lane & 1 != 0,
+                object: found.object[lane] as usize,
+                material,
+            };
+            meet(first + lane, hit);
         }
     }
 }
@@ -122,7 +128,7 @@ fn each_transmittance<S: Simd, V: Lanes<S>, const N: usize>(
     let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
     let mut occluder = u32::MAX;
     for (rays, to) in rays.chunks(N).zip(passed.chunks_mut(N)) {
-        let active = group.shadows.take(rays, geometry.len());
+        let active = group.shadows.take::<S, V>(simd, rays, geometry.len());
         let mut passed = [0.0; N];
         group.cast_shadows(simd, active, false, &mut occluder, &mut passed);
         to.copy_from_slice(&passed[..to.len()]);
@@ -205,6 +211,9 @@ struct Hits<'a, const N: usize> {
     object: [u32; N],
     material: [Option<&'a Material>; N],
     point: Rows<N>,
+    /// Unit normals on the objects' outward sides.
+    outward: Rows<N>,
+    /// The same, turned to the rays.
     normal: Rows<N>,
     /// A bit a lane: whether its ray came from outside.
     front: u32,
@@ -224,8 +233,6 @@ struct Hits<'a, const N: usize> {
 struct Group<'a, L, const N: usize> {
     job: Job<'a, L>,
     tree: &'a Tree<N>,
-    /// Whether all objects are tested.
-    few: bool,
     /// Of each lane, what is being traced.
     beams: Beams<N>,
     throughput: [f32; N],
@@ -245,7 +252,6 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         Self {
             job,
             tree,
-            few: job.geometry.has_few(),
             beams: Beams::NONE,
             throughput: [1.0; N],
             depth: [1; N],
@@ -256,6 +262,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 object: [0; N],
                 material: [None; N],
                 point: Rows::ZERO,
+                outward: Rows::ZERO,
                 normal: Rows::ZERO,
                 front: 0,
                 mirrored: Rows::ZERO,
@@ -308,7 +315,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let mut going_on = 0;
             if hit != 0 {
                 counters.hits += u64::from(hit.count_ones());
-                self.surfaces(simd, hit);
+                self.surfaces(simd);
                 self.finishes(hit);
                 self.direct(simd, hit, first, counters);
                 going_on = self.children(simd, hit, counters);
@@ -348,17 +355,29 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         );
         let regular = across::regular(simd, origin, direction).to_bitmask() as u32;
         let hits = &mut self.hits;
-        if self.few && active & !regular == 0 {
-            let terms = Terms::new(simd, &self.beams);
+        if let Some(few) = &geometry.few
+            && active & !regular == 0
+        {
+            let needs = self.tree.needs();
+            let terms = Terms::new(simd, &self.beams, needs, geometry.returning(&self.beams));
             let ends = V::from_slice(simd, &self.beams.end);
             let limit = V::Mask::from_bitmask(simd, active.into())
                 .select(ends, V::simd_from(simd, f32::NEG_INFINITY));
-            let (t, object) = across::nearest(simd, parts, &terms, &self.beams, limit);
-            t.store_slice(&mut hits.t);
+            let found = across::nearest(simd, parts, few, &terms, &self.beams, active, limit);
+            let hit = active & found.t.simd_lt(ends).to_bitmask() as u32;
+            if hit == 0 {
+                return 0;
+            }
+            found.t.store_slice(&mut hits.t);
             let mut places = [0.0; N];
-            object.store_slice(&mut places);
+            found.object.store_slice(&mut places);
             hits.object = places.map(|it| it as u32);
-            return active & t.simd_lt(ends).to_bitmask() as u32;
+            hits.outward.store(found.outward);
+            for lane in Set(hit) {
+                hits.material[lane] = few.materials.get(hits.object[lane] as usize).copied();
+            }
+            self.look_up(found.unknown & hit);
+            return hit;
         }
         let mut nearest = self.beams.end.map(Nearest::before);
         let mut cast = false;
@@ -404,52 +423,71 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             hit |= u32::from(object != u32::MAX) << lane;
             (hits.t[lane], hits.object[lane]) = (t, object);
         }
+        self.look_up_all(simd, hit);
         hit
     }
 
-    /// Looks up where and what the surfaces are that were hit.
+    /// Looks up the normals and materials of what was hit, lane by lane.
     #[inline(always)]
-    fn surfaces<S: Simd, V: Lanes<S>>(&mut self, simd: S, hit: u32)
+    fn look_up(&mut self, lanes: u32) {
+        let hits = &mut self.hits;
+        for lane in Set(lanes) {
+            let (ray, object) = (self.beams.ray(lane), hits.object[lane] as usize);
+            let surface = (self.job.geometry).surface::<Exact>(&ray, hits.t[lane], object, 0);
+            hits.material[lane] = surface.map(|(normal, material)| {
+                hits.outward.set(lane, normal);
+                material
+            });
+        }
+    }
+
+    /// As [`look_up`](Self::look_up), spheres by vectors.
+    #[inline(always)]
+    fn look_up_all<S: Simd, V: Lanes<S>>(&mut self, simd: S, hit: u32)
     where
         Tree<N>: Vector<S, Lanes = V>,
     {
-        let geometry = self.job.geometry;
-        let parts = &geometry.parts;
         let hits = &mut self.hits;
-        // Of spheres, the center stands for the normal.
+        // The center stands for the normal.
         let (mut spheres, mut hollow) = (0_u32, 0_u32);
         for lane in Set(hit) {
             let object = hits.object[lane] as usize;
-            if let Some(it) = parts.spheres.objects.get(object) {
-                hits.normal.set(lane, it.shape.center);
+            if let Some(it) = self.job.geometry.parts.spheres.objects.get(object) {
+                hits.outward.set(lane, it.shape.center);
                 spheres |= 1 << lane;
                 hollow |= u32::from(!(it.shape.radius > 0.0)) << lane;
                 hits.material[lane] = Some(it.material);
-            } else {
-                let ray = self.beams.ray(lane);
-                let surface = geometry.surface::<Exact>(&ray, hits.t[lane], object, 0);
-                hits.material[lane] = surface.map(|(normal, material)| {
-                    hits.normal.set(lane, normal);
-                    material
-                });
             }
         }
+        self.look_up(hit & !spheres);
+        if spheres != 0 {
+            let hits = &mut self.hits;
+            let (origin, direction) = (
+                self.beams.origin.load::<S, V>(simd),
+                self.beams.direction.load(simd),
+            );
+            let point = origin + direction * V::from_slice(simd, &hits.t);
+            let outward = hits.outward.load(simd);
+            let unit = across::away(simd, point, outward, hollow);
+            let spheres = V::Mask::from_bitmask(simd, spheres.into());
+            hits.outward.store(mask_of(spheres, unit, outward));
+        }
+    }
+
+    /// What is where the lanes' rays hit.
+    #[inline(always)]
+    fn surfaces<S: Simd, V: Lanes<S>>(&mut self, simd: S)
+    where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        let hits = &mut self.hits;
         let (origin, direction) = (
             self.beams.origin.load::<S, V>(simd),
             self.beams.direction.load(simd),
         );
-        let (zero, one) = (V::simd_from(simd, 0.0), V::simd_from(simd, 1.0));
         let point = origin + direction * V::from_slice(simd, &hits.t);
-        let mut outward = hits.normal.load(simd);
-        if spheres != 0 {
-            let from_center = point - outward;
-            let unit = from_center * (one / from_center.dot(from_center).sqrt());
-            let hollow = V::Mask::from_bitmask(simd, hollow.into());
-            let unit = mask_of(hollow, -unit, unit);
-            let spheres = V::Mask::from_bitmask(simd, spheres.into());
-            outward = mask_of(spheres, unit, outward);
-        }
-        let front = outward.dot(direction).simd_le(zero);
+        let outward = hits.outward.load(simd);
+        let front = outward.dot(direction).simd_le(V::simd_from(simd, 0.0));
         let normal = mask_of(front, outward, -outward);
         let twice = V::simd_from(simd, 2.0) * direction.dot(normal);
         hits.point.store(point);
@@ -573,13 +611,16 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let beams = &self.shadows;
         let (origin, direction) = (beams.origin.load::<S, V>(simd), beams.direction.load(simd));
         let regular = across::regular(simd, origin, direction).to_bitmask() as u32;
-        if self.few && lit & !regular == 0 {
-            let terms = Terms::<V, _>::new(simd, beams);
-            across::transmittance(simd, parts, &terms, beams, lit, passed);
+        let needs = self.tree.needs();
+        if let Some(few) = &geometry.few
+            && lit & !regular == 0
+        {
+            let terms = Terms::<V, _>::new(simd, beams, needs, geometry.returning(beams));
+            across::transmittance(simd, parts, few, &terms, beams, lit, passed);
             return;
         }
         if *occluder != u32::MAX && lit & !regular == 0 {
-            let terms = Terms::<V, _>::new(simd, beams);
+            let terms = Terms::<V, _>::new(simd, beams, needs, 0);
             let ends = V::from_slice(simd, &beams.end);
             let kind = parts.kind(*occluder as usize);
             let meeting = across::object(simd, parts, kind, *occluder as usize, &terms, ends);

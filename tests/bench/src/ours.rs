@@ -47,18 +47,15 @@ impl Peer for Together<'_> {
     }
 
     fn nearest(&self, rays: &[Ray], answers: &mut [Answer]) {
-        let mut hits = [None; BATCH];
-        for (rays, answers) in rays.chunks(BATCH).zip(answers.chunks_mut(BATCH)) {
-            lockstep::closest_hits(&self.0, rays, &mut hits[..rays.len()]);
-            for (hit, answer) in hits.iter().zip(answers) {
-                *answer = hit.map_or(Answer::MISS, |hit| Answer {
-                    t: hit.t,
-                    normal: hit.normal,
-                    object: hit.object as u32,
-                    diffuse: hit.material.diffuse,
-                });
-            }
-        }
+        answers.fill(Answer::MISS);
+        lockstep::closest_hits(&self.0, rays, |ray, hit| {
+            answers[ray] = Answer {
+                t: hit.t,
+                normal: hit.normal,
+                object: hit.object as u32,
+                diffuse: hit.material.diffuse,
+            };
+        });
     }
 
     fn any(&self, rays: &[Ray], answers: &mut [bool]) {
