@@ -10,7 +10,7 @@
 //! content (`bounds`), so that none hides a hit that a kernel would report. Of equally near hits the
 //! first in the geometry wins, wherever it lies in the hierarchy. An object that a ray leaves, one whose
 //! numbers are out of all proportion, and a ray whose numbers are, are left to the kernels themselves, and
-//! so are quadrics and tori, of which each is looked at.
+//! so are quadrics and tori, each in a box of its own.
 
 #![forbid(unsafe_code)]
 
@@ -96,7 +96,7 @@ use tree::{About, FLAT, Nearest, Search, Tree};
 #[derive(Debug)]
 pub struct Wide<'a, M> {
     parts: Parts<'a, M>,
-    /// Places of objects that no block holds: planes, quadrics, tori, and those with odd numbers.
+    /// Places of objects that no block holds: planes, and those with odd numbers.
     loose: Vec<u32>,
     tree: AnyTree,
     search: Search,
@@ -143,7 +143,10 @@ impl<'a, M: Finish> Wide<'a, M> {
         let tree = AnyTree::new(&parts, items, level, flat);
         let about = tree.about();
         let all_tested = matches!(about.search, Search::Spheres | Search::Blocks);
-        let few = all_tested && loose.len() == parts.planes.objects.len() && parts.len() < 1 << 24;
+        let few = all_tested
+            && loose.len() == parts.planes.objects.len()
+            && parts.quadrics.first == parts.len()
+            && parts.len() < 1 << 24;
         Self {
             few: few.then(|| Few::new(&parts)),
             parts,

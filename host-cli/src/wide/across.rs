@@ -292,6 +292,7 @@ pub fn object<S: Simd, V: Lanes<S>, M>(
             let shape = &part.objects[object - part.first].shape;
             frustum(simd, shape, terms, none, limit).0
         }
+        Kind::Other => unreachable!("its kernel takes one ray"),
     };
     meeting.met &= !terms.leaves(simd, object);
     meeting

@@ -2,8 +2,8 @@
 
 use fearless_simd::{Simd, SimdMask};
 use glam::Vec3;
-use whitted::Finish;
 use whitted::material::Transmission;
+use whitted::{Exact, Finish, Quadric, Ray, Shape, Torus};
 
 use super::bounds;
 use super::build::Item;
@@ -30,10 +30,12 @@ pub enum Kind {
     Frustum,
     /// Visible from inside only.
     HollowFrustum,
+    /// A quadric or a torus, alone in its block: left to its own kernel.
+    Other,
 }
 
 impl Kind {
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Sphere,
         Self::HollowSphere,
         Self::Triangle,
@@ -42,6 +44,7 @@ impl Kind {
         Self::Cuboid,
         Self::Frustum,
         Self::HollowFrustum,
+        Self::Other,
     ];
 }
 
@@ -89,6 +92,29 @@ pub struct Blocks<const N: usize> {
     pub cuboids: Shelf<Cuboids<N>, N>,
     pub frusta: Shelf<Frusta<N>, N>,
     pub hollow_frusta: Shelf<Frusta<N>, N>,
+    pub others: Shelf<Other, N>,
+}
+
+/// A shape that has no kernel for lanes.
+#[derive(Clone, Copy, Debug)]
+pub enum Other {
+    Quadric(Quadric),
+    Torus(Torus),
+}
+
+impl Other {
+    /// Where a ray that does not leave it meets it before a limit.
+    ///
+    /// Not inlined, and rare: no vector survives a call.
+    #[cold]
+    #[inline(never)]
+    fn meet(&self, ray: &Ray, limit: f32) -> Option<f32> {
+        let t = match self {
+            Self::Quadric(it) => it.intersect::<Exact>(ray, &Quadric::setup(ray), None),
+            Self::Torus(it) => it.intersect::<Exact>(ray, &Torus::setup(ray), None),
+        };
+        t.filter(|&t| t < limit)
+    }
 }
 
 /// Which lanes of a block meet a ray, and where.
@@ -102,7 +128,11 @@ pub struct Found<'a, V, const N: usize> {
 impl<const N: usize> Blocks<N> {
     /// How many objects a block of some kind holds.
     pub fn capacity(kind: Kind) -> usize {
-        if kind == Kind::Outline { 1 } else { N }
+        if matches!(kind, Kind::Outline | Kind::Other) {
+            1
+        } else {
+            N
+        }
     }
 
     /// Which terms of a ray the blocks ask for.
@@ -129,6 +159,7 @@ impl<const N: usize> Blocks<N> {
             + shelf(&self.cuboids)
             + shelf(&self.frusta)
             + shelf(&self.hollow_frusta)
+            + shelf(&self.others)
     }
 
     /// What the lanes of a block stand for.
@@ -143,6 +174,7 @@ impl<const N: usize> Blocks<N> {
             Kind::Cuboid => &self.cuboids.labels[index],
             Kind::Frustum => &self.frusta.labels[index],
             Kind::HollowFrustum => &self.hollow_frusta.labels[index],
+            Kind::Other => &self.others.labels[index],
         }
     }
 
@@ -157,6 +189,7 @@ impl<const N: usize> Blocks<N> {
             Kind::Cuboid => self.cuboids.blocks.len(),
             Kind::Frustum => self.frusta.blocks.len(),
             Kind::HollowFrustum => self.hollow_frusta.blocks.len(),
+            Kind::Other => self.others.blocks.len(),
         }
     }
 
@@ -212,6 +245,15 @@ impl<const N: usize> Blocks<N> {
                     self.hollow_frusta.push(block, labels)
                 }
             }
+            Kind::Other => {
+                let (quadrics, tori) = (&parts.quadrics, &parts.tori);
+                let place = items[0].object as usize;
+                let block = match quadrics.objects.get(place.wrapping_sub(quadrics.first)) {
+                    Some(it) => Other::Quadric(it.shape),
+                    None => Other::Torus(tori.objects[place - tori.first].shape),
+                };
+                self.others.push(block, labels)
+            }
         }
     }
 
@@ -245,11 +287,11 @@ impl<const N: usize> Blocks<N> {
             }
             Kind::Outline => {
                 let t = self.outlines.blocks[index].meet::<S, V, N>(simd, terms, limit);
-                Found {
-                    t: V::simd_from(simd, t.unwrap_or(0.0)),
-                    lanes: u32::from(t.is_some()),
-                    labels: &self.outlines.labels[index],
-                }
+                Found::one(simd, t, &self.outlines.labels[index])
+            }
+            Kind::Other => {
+                let t = self.others.blocks[index].meet(terms.ray, limit);
+                Found::one(simd, t, &self.others.labels[index])
             }
         }
     }
@@ -267,6 +309,19 @@ impl<'a, V, const N: usize> Found<'a, V, N> {
             labels,
         }
     }
+
+    /// Of a block of one object.
+    #[inline(always)]
+    fn one<S: Simd>(simd: S, t: Option<f32>, labels: &'a Labels<N>) -> Self
+    where
+        V: Lanes<S>,
+    {
+        Self {
+            t: V::simd_from(simd, t.unwrap_or(0.0)),
+            lanes: u32::from(t.is_some()),
+            labels,
+        }
+    }
 }
 
 fn corners<M, const CORNERS: usize>(
@@ -279,8 +334,8 @@ fn corners<M, const CORNERS: usize>(
     (corners, normal)
 }
 
-/// All objects that a tree can hold, and the places of those that it cannot: planes, quadrics, tori, and
-/// objects with a number so large or so odd that nothing is known about where their kernels report hits.
+/// All objects that a tree can hold, and the places of those that it cannot: planes, quadrics without
+/// bounds, and objects with a number so large or so odd that nothing is known about where their kernels report hits.
 pub fn items<M: Finish>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
     // Light weakens in a solid also where it meets no surface of it: each is looked at.
     let absorbs = |material: &M| material.transmission().absorption() != Vec3::ZERO;
@@ -289,8 +344,6 @@ pub fn items<M: Finish>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
         .planes
         .places()
         .map(|(place, _)| place as u32)
-        .chain(parts.quadrics.places().map(|(place, _)| place as u32))
-        .chain(parts.tori.places().map(|(place, _)| place as u32))
         .collect();
     let mut add = |place: usize, kind, bounds| match bounds {
         Some(bounds) => items.push(Item {
@@ -338,6 +391,22 @@ pub fn items<M: Finish>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
             Kind::HollowFrustum
         };
         add(place, kind, bounds::of_frustum(frustum));
+    }
+    for (place, object) in parts.quadrics.places() {
+        let bounds = bounds::of_quadric(&object.shape);
+        add(
+            place,
+            Kind::Other,
+            bounds.filter(|_| !absorbs(object.material)),
+        );
+    }
+    for (place, object) in parts.tori.places() {
+        let bounds = bounds::of_torus(&object.shape);
+        add(
+            place,
+            Kind::Other,
+            bounds.filter(|_| !absorbs(object.material)),
+        );
     }
     (items, loose)
 }

@@ -8,6 +8,9 @@
 //! - A sphere, a frustum and a box report a point within 7 u of the sum of the coordinates' sizes from
 //!   their surface; a frustum that gets wider by `slope` may overshoot its ends by a few u, and so its
 //!   radius by `slope` times as much.
+//! - A quadric's hits lie within its clip, as far as 7 u of the sum of the coordinates' sizes tell; a
+//!   torus' within 7 u of its surface, and further only by as many u of the distance, which is the
+//!   origin's share.
 //! - An outline judges a ray's line by its shear: within 10 u, across the ray. The distance is that of
 //!   its plane, with an error of 4 u, and how far the vertices are off the plane, over the cosine
 //!   between ray and normal. Where that is below 1/8, the kernel keeps the distance between those at
@@ -15,7 +18,7 @@
 //!   the point certain to lie within the box.
 
 use glam::{Vec3, Vec3A};
-use whitted::{Cuboid, Frustum, Sphere};
+use whitted::{Cuboid, Frustum, Quadric, Sphere, Torus};
 
 /// 128 u of a coordinate: more than rounding moves a hit.
 pub const ROUNDING: f32 = 1.0 / (1 << 17) as f32;
@@ -121,6 +124,37 @@ pub fn of_frustum(frustum: &Frustum) -> Option<Bounds> {
     }
     let reach = reach + frustum.length;
     bounds.widened(Vec3A::splat(ROUNDING * reach * (1.0 + frustum.slope.abs())))
+}
+
+/// What its clip lets through, wherever the quadric is: a hit is compared with that.
+pub fn of_quadric(quadric: &Quadric) -> Option<Bounds> {
+    let center = Vec3A::from(quadric.center);
+    let clip = &quadric.clip;
+    if !clip.min.cmple(clip.max).all() {
+        return None;
+    }
+    let bounds = Bounds {
+        min: center + Vec3A::from(clip.min),
+        max: center + Vec3A::from(clip.max),
+    };
+    // The sums are rounded.
+    let reach = bounds.reach() + center.abs().max_element();
+    bounds.widened(Vec3A::splat(ROUNDING * reach))
+}
+
+pub fn of_torus(torus: &Torus) -> Option<Bounds> {
+    let axis = Vec3A::from(torus.axis);
+    if !((axis.length_squared() - 1.0).abs() < ROUNDING) {
+        return None;
+    }
+    let center = Vec3A::from(torus.center);
+    let reach = sine(axis) * torus.major.abs() + torus.minor.abs();
+    let bounds = Bounds {
+        min: center - reach,
+        max: center + reach,
+    };
+    let reach = center.abs().max_element() + torus.major.abs() + torus.minor.abs();
+    bounds.widened(Vec3A::splat(ROUNDING * reach))
 }
 
 pub fn of_outline(vertices: &[Vec3], normal: Vec3) -> Option<Bounds> {

@@ -15,6 +15,7 @@ use whitted::{Candidates, Counters, Exact, Geometry, Hit, Light, LightSource, Ra
 use super::Wide;
 use super::across::{self, Terms};
 use super::beams::{Beams, Rows, Set};
+use super::blocks::Kind;
 use super::lanes::{Lanes, Vectors, mask_of};
 use super::packet::{LightOfEach, NearestOfEach, Packet};
 use super::power::powers;
@@ -619,10 +620,13 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             across::transmittance(simd, parts, few, &terms, beams, lit, passed);
             return;
         }
-        if *occluder != u32::MAX && lit & !regular == 0 {
+        let kind = (*occluder != u32::MAX).then(|| parts.kind(*occluder as usize));
+        if let Some(kind) = kind
+            && kind != Kind::Other
+            && lit & !regular == 0
+        {
             let terms = Terms::<V, _>::new(simd, beams, needs, 0);
             let ends = V::from_slice(simd, &beams.end);
-            let kind = parts.kind(*occluder as usize);
             let meeting = across::object(simd, parts, kind, *occluder as usize, &terms, ends);
             let dark = meeting.met.to_bitmask() as u32 & lit;
             for lane in Set(dark) {

@@ -31,19 +31,19 @@ pub enum Content {
 
 impl Child {
     const BLOCK: u32 = 1 << 31;
-    const KIND: u32 = 28;
+    const KIND: u32 = 27;
     /// More nodes, or more blocks of a kind, cannot be told apart.
     pub const LIMIT: usize = 1 << Self::KIND;
 
     pub fn node(index: usize) -> Self {
-        assert!(index < Self::LIMIT, "2^28 nodes are more than memory holds");
+        assert!(index < Self::LIMIT, "2^27 nodes are more than memory holds");
         Self(index as u32)
     }
 
     pub fn block(kind: Kind, index: usize) -> Self {
         assert!(
             index < Self::LIMIT,
-            "2^28 blocks are more than memory holds"
+            "2^27 blocks are more than memory holds"
         );
         Self(Self::BLOCK | (kind as u32) << Self::KIND | index as u32)
     }
@@ -53,7 +53,7 @@ impl Child {
         if self.0 & Self::BLOCK == 0 {
             Content::Node(self.0 as usize)
         } else {
-            let kind = Kind::ALL[(self.0 >> Self::KIND) as usize & 7];
+            let kind = Kind::ALL[(self.0 >> Self::KIND) as usize & 15];
             Content::Block(kind, self.0 as usize & (Self::LIMIT - 1))
         }
     }

@@ -328,6 +328,8 @@ impl<const N: usize> Tree<N> {
                     let (by_rays, by_objects) = if kind == Kind::Outline {
                         let edges = parts.outline(labels.objects[0] as usize).0.len();
                         (edges, count * edges.div_ceil(LEAF))
+                    } else if kind == Kind::Other {
+                        (count, 0)
                     } else {
                         (objects.count(), count)
                     };

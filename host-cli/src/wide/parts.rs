@@ -200,6 +200,8 @@ impl<'a, M> Parts<'a, M> {
             Kind::Cuboid
         } else if self.frusta.holds(object) {
             Kind::Frustum
+        } else if object >= self.quadrics.first {
+            Kind::Other
         } else {
             Kind::Outline
         }

@@ -50,7 +50,7 @@ pub struct Tree<const N: usize> {
     /// All there is where there is no hierarchy: few blocks, and full ones.
     flat: Blocks<N>,
     /// A bit for each [`Kind`] of which there is a flat block.
-    flat_kinds: u8,
+    flat_kinds: u16,
     needs: Needs,
     /// How many coordinates of its origin a ray's hits may lie outside the boxes.
     slack: f32,
@@ -106,7 +106,9 @@ impl<const N: usize> Tree<N> {
             needs: Needs::default(),
             slack: ROUNDING * (1.0 + parts.steepness()),
         };
-        if items.len() <= flat {
+        // A kernel that takes one object costs as much as one that takes a vector of them.
+        let others = items.iter().filter(|it| it.kind == Kind::Other).count();
+        if items.len() + others * (N - 1) <= flat {
             items.sort_unstable_by_key(|item| (item.kind as u8, item.object));
             for items in items.chunk_by_mut(|a, b| a.kind == b.kind) {
                 for items in items.chunks_mut(Blocks::<N>::capacity(items[0].kind)) {
@@ -124,7 +126,7 @@ impl<const N: usize> Tree<N> {
             }
         }
         for kind in Kind::ALL {
-            tree.flat_kinds |= u8::from(tree.flat.len(kind) > 0) << kind as u8;
+            tree.flat_kinds |= u16::from(tree.flat.len(kind) > 0) << kind as u8;
         }
         tree.needs = if tree.nodes.is_empty() {
             tree.flat.needs()
@@ -262,12 +264,14 @@ impl<const N: usize> Tree<N> {
                 each!(Cuboid, cuboids, it => it.meet(simd, &terms, limit));
                 each!(Frustum, frusta, it => it.meet::<S, _, false>(simd, &terms, limit));
                 each!(HollowFrustum, hollow_frusta, it => it.meet::<S, _, true>(simd, &terms, limit));
-                for index in 0..self.flat.outlines.blocks.len() {
-                    let found: Found<'_, Many<S, Self>, N> =
-                        self.flat.meet(simd, Kind::Outline, index, &terms, limit);
-                    match visit.visit::<S, _, N>(found, limit) {
-                        Some(nearer) => limit = nearer,
-                        None => return true,
+                for kind in [Kind::Outline, Kind::Other] {
+                    for index in 0..self.flat.len(kind) {
+                        let found: Found<'_, Many<S, Self>, N> =
+                            self.flat.meet(simd, kind, index, &terms, limit);
+                        match visit.visit::<S, _, N>(found, limit) {
+                            Some(nearer) => limit = nearer,
+                            None => return true,
+                        }
                     }
                 }
             }
