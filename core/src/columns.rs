@@ -6,36 +6,71 @@
 use embedded_graphics::Drawable;
 use embedded_graphics::draw_target::DrawTarget;
 use embedded_graphics::geometry::{OriginDimensions, Size};
-use embedded_graphics::pixelcolor::PixelColor;
+use embedded_graphics::pixelcolor::{PixelColor, Rgb565, Rgb888};
 use embedded_graphics::prelude::Point;
 use embedded_graphics::primitives::Rectangle;
 use glam::Vec3;
 use heapless::Vec;
 
 use crate::camera::View;
-use crate::grid::{Face, Grid, Meeting};
+use crate::grid::{Grid, Meeting, Plan, Way};
 use crate::math;
 
-/// A bitmap in flash: 8 bits a pixel and a palette.
+/// A bitmap in flash: 8 bits a pixel and a palette, or, where `T` says so, colors.
 ///
 /// A wall in another shade is the same texels with another palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Texture<'a, C> {
+pub struct Texture<'a, C, T = u8> {
     /// In pixels; from 1.
     pub width: u16,
     /// In pixels; from 1.
     pub height: u16,
-    /// Column after column from the left, each from the top: places in the palette. What the palette
-    /// or the slice lacks is transparent.
-    pub texels: &'a [u8],
-    /// Colors of the display.
+    /// Column after column from the left, each from the top: places in the palette, or colors. What the
+    /// palette or the slice lacks is transparent.
+    pub texels: &'a [T],
+    /// Colors of the display; of texels that are colors themselves it is not asked.
     pub palette: &'a [C],
 }
 
-impl<'a, C> Texture<'a, C> {
+/// What a [`Texture`] of colors `C` is made of.
+pub trait Texel<C>: Copy {
+    /// The color, unless it is transparent.
+    fn color(self, palette: &[C]) -> Option<C>;
+}
+
+impl<C: Copy> Texel<C> for u8 {
+    #[inline(always)]
+    fn color(self, palette: &[C]) -> Option<C> {
+        palette.get(self as usize).copied()
+    }
+}
+
+impl Texel<Self> for Rgb565 {
+    #[inline(always)]
+    fn color(self, _: &[Self]) -> Option<Self> {
+        Some(self)
+    }
+}
+
+impl Texel<Self> for Rgb888 {
+    #[inline(always)]
+    fn color(self, _: &[Self]) -> Option<Self> {
+        Some(self)
+    }
+}
+
+/// `None` where it is transparent.
+impl<C: Copy> Texel<C> for Option<C> {
+    #[inline(always)]
+    fn color(self, _: &[C]) -> Self {
+        self
+    }
+}
+
+impl<'a, C, T> Texture<'a, C, T> {
     /// The column at `u`, which runs from 0 at the left to 1 at the right.
     #[inline]
-    fn column(&self, u: f32) -> &'a [u8] {
+    fn column(&self, u: f32) -> &'a [T] {
         // The cast makes zero of what is less, and of NaN.
         let column = (u * self.width as f32) as u16;
         let column = column.min(self.width.saturating_sub(1)) as usize;
@@ -67,6 +102,9 @@ pub struct Sprite<'a, C> {
 /// The camera is level: of what [`View`] says of it only the picture's horizontal extent to the sides,
 /// and its vertical extent downwards counts. Walls reach from y = 0 to y = 1.
 ///
+/// The last two generic parameters are what walls' textures are made of, and the map: a [`Grid`], or a
+/// [`DoorGrid`](crate::grid::DoorGrid).
+///
 /// ```
 /// use embedded_graphics::{Drawable, mock_display::MockDisplay, pixelcolor::Rgb565, prelude::*};
 /// use whitted::columns::{Columns, Texture};
@@ -89,12 +127,12 @@ pub struct Sprite<'a, C> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Columns<'a, C, const SPRITES: usize> {
+pub struct Columns<'a, C, const SPRITES: usize, T = u8, G = Grid<'a>> {
     /// The map.
-    pub grid: Grid<'a>,
+    pub grid: G,
     /// By kind of wall, its sides to the west, east, north and south, seen from there. A wall of a kind
     /// that is not here shows floor and ceiling.
-    pub walls: &'a [[&'a Texture<'a, C>; 4]],
+    pub walls: &'a [[&'a Texture<'a, C, T>; 4]],
     /// What stands in it, in any order.
     pub sprites: &'a [Sprite<'a, C>],
     /// Of all that is below the horizon.
@@ -103,9 +141,9 @@ pub struct Columns<'a, C, const SPRITES: usize> {
     pub ceiling: C,
 }
 
-impl<'a, C: PixelColor, const SPRITES: usize> Columns<'a, C, SPRITES> {
+impl<'a, C: PixelColor, const SPRITES: usize, T, G> Columns<'a, C, SPRITES, T, G> {
     /// The map as seen by a camera; to be drawn, or taken column by column.
-    pub fn picture(&'a self, view: &View) -> ColumnPicture<'a, C, SPRITES> {
+    pub fn picture(&'a self, view: &View) -> ColumnPicture<'a, C, SPRITES, T, G> {
         let screen = Screen::new(view);
         let mut visible: Vec<Visible<'a, C>, SPRITES> = Vec::new();
         for sprite in self.sprites {
@@ -129,8 +167,8 @@ impl<'a, C: PixelColor, const SPRITES: usize> Columns<'a, C, SPRITES> {
 }
 
 /// A [`Columns`] as seen by a camera.
-pub struct ColumnPicture<'a, C, const SPRITES: usize> {
-    columns: &'a Columns<'a, C, SPRITES>,
+pub struct ColumnPicture<'a, C, const SPRITES: usize, T = u8, G = Grid<'a>> {
+    columns: &'a Columns<'a, C, SPRITES, T, G>,
     screen: Screen,
     /// From the nearest on.
     sprites: Vec<Visible<'a, C>, SPRITES>,
@@ -163,8 +201,8 @@ struct Visible<'a, C> {
 }
 
 /// What a column shows of a texture.
-struct Slice<'a, C> {
-    texels: &'a [u8],
+struct Slice<'a, C, T = u8> {
+    texels: &'a [T],
     palette: &'a [C],
     /// The first row, and the one after the last.
     first: u32,
@@ -174,7 +212,7 @@ struct Slice<'a, C> {
     dv: i32,
 }
 
-impl<C: PixelColor> Slice<'_, C> {
+impl<C: PixelColor, T: Texel<C>> Slice<'_, C, T> {
     /// The color in a row, unless it is transparent there.
     #[inline(always)]
     fn color(&self, row: u32) -> Option<C> {
@@ -185,8 +223,7 @@ impl<C: PixelColor> Slice<'_, C> {
         let v = self.v.wrapping_add(self.dv.wrapping_mul(rows)) >> 16;
         // The last row's center may be rounded to the lower edge.
         let v = (v.max(0) as usize).min(self.texels.len().saturating_sub(1));
-        let texel = *self.texels.get(v)?;
-        self.palette.get(texel as usize).copied()
+        self.texels.get(v)?.color(self.palette)
     }
 }
 
@@ -242,14 +279,14 @@ impl Screen {
 
     /// The rows that show heights from `low` to `high` at some depth, both excluded.
     #[inline(always)]
-    fn slice<'a, C>(
+    fn slice<'a, C, T>(
         &self,
         depth: f32,
         low: f32,
         high: f32,
-        texels: &'a [u8],
+        texels: &'a [T],
         palette: &'a [C],
-    ) -> Slice<'a, C> {
+    ) -> Slice<'a, C, T> {
         let row = |height: f32| ((height - self.eye.y) / depth - self.top) / self.down - 0.5;
         let (upper, lower) = (row(high), row(low));
         let first = rows_up_to(upper);
@@ -293,13 +330,18 @@ impl Screen {
     }
 }
 
-impl<'a, C: PixelColor, const SPRITES: usize> ColumnPicture<'a, C, SPRITES> {
+impl<'a, C, const SPRITES: usize, T, G> ColumnPicture<'a, C, SPRITES, T, G>
+where
+    C: PixelColor,
+    T: Texel<C>,
+    G: Plan<'a>,
+{
     /// What the ray of a column meets, and at what depth: what lies `depth` times as far as the screen.
     #[inline]
     pub fn wall(&self, column: u32) -> Option<Meeting> {
         let direction = self.screen.direction(column);
         let grid = &self.columns.grid;
-        grid.walk(self.screen.eye, direction, f32::INFINITY)?
+        grid.start(self.screen.eye, direction, f32::INFINITY)?
             .next_wall()
     }
 
@@ -346,27 +388,28 @@ impl<'a, C: PixelColor, const SPRITES: usize> ColumnPicture<'a, C, SPRITES> {
     #[inline(always)]
     fn across(&self, column: u32, met: &Meeting) -> f32 {
         let (direction, eye) = (self.screen.direction(column), self.screen.eye);
-        let width = (self.columns.grid.width as usize).max(1);
+        let grid = &self.columns.grid;
+        let width = (grid.grid().width as usize).max(1);
         let (x, z) = (met.cell % width, met.cell / width);
         // In the cell that was met: rounding may put the point into the next.
         let from_west = (eye.x - x as f32) + met.t * direction.x;
         let from_north = (eye.z - z as f32) + met.t * direction.z;
-        match met.face {
-            Face::West => from_north,
-            Face::East => 1.0 - from_north,
-            Face::North => 1.0 - from_west,
-            _ => from_west,
-        }
+        grid.across((met.cell, met.face), from_west, from_north)
     }
 }
 
-impl<C, const SPRITES: usize> OriginDimensions for ColumnPicture<'_, C, SPRITES> {
+impl<C, const SPRITES: usize, T, G> OriginDimensions for ColumnPicture<'_, C, SPRITES, T, G> {
     fn size(&self) -> Size {
         Size::new(self.screen.width, self.screen.height)
     }
 }
 
-impl<C: PixelColor, const SPRITES: usize> Drawable for ColumnPicture<'_, C, SPRITES> {
+impl<'a, C, const SPRITES: usize, T, G> Drawable for ColumnPicture<'a, C, SPRITES, T, G>
+where
+    C: PixelColor,
+    T: Texel<C>,
+    G: Plan<'a>,
+{
     type Color = C;
     type Output = ();
 
@@ -386,8 +429,9 @@ impl<C: PixelColor, const SPRITES: usize> Drawable for ColumnPicture<'_, C, SPRI
 mod tests {
     use super::*;
     use crate::camera::Camera;
+    use crate::grid::{Across, Door, DoorGrid};
     use embedded_graphics::mock_display::MockDisplay;
-    use embedded_graphics::pixelcolor::{Rgb565, RgbColor};
+    use embedded_graphics::pixelcolor::RgbColor;
 
     type Bitmap = Texture<'static, Rgb565>;
 
@@ -538,6 +582,86 @@ mod tests {
         };
         let one = ["WWWWWW", "WWWWWW", "WWMMWW", "WWMMWW", "WWWWWW", "WWWWWW"];
         draw(&hidden, &view).assert_pattern(&one);
+    }
+
+    #[test]
+    fn doors_slide_aside_with_what_they_show_and_hide_sprites() {
+        static BLACK: Bitmap = Texture {
+            palette: &[Rgb565::BLACK],
+            ..PLAIN
+        };
+        let seen = |open: f32, sprite: Sprite<'static, Rgb565>| {
+            let doors = [Door {
+                kind: 2,
+                across: Across::X,
+                open,
+            }];
+            let scene = Columns::<_, 1, _, _> {
+                grid: DoorGrid {
+                    grid: Grid {
+                        width: 5,
+                        depth: 3,
+                        cells: &[1, 1, 1, 1, 1, 1, 0, 3, 0, 1, 1, 1, 1, 1, 1],
+                    },
+                    first: 3,
+                    doors: &doors,
+                },
+                walls: &[[&PLAIN; 4], [&FLAG; 4]],
+                sprites: &[sprite],
+                floor: Rgb565::GREEN,
+                ceiling: Rgb565::BLUE,
+            };
+            // Just the width of the door, half a cell away, at the height of sprites.
+            let ahead = view(Vec3::new(2.0, 0.25, 1.5), Vec3::X, 8, 1, 0.125);
+            let mut display = MockDisplay::new();
+            scene.picture(&ahead).draw(&mut display).unwrap();
+            let row = (0..8).map(|x| display.get_pixel(Point::new(x, 0)).unwrap());
+            let letter = |color| match color {
+                Rgb565::RED => 'R',
+                Rgb565::YELLOW => 'Y',
+                Rgb565::MAGENTA => 'M',
+                Rgb565::BLACK => 'K',
+                _ => '?',
+            };
+            row.map(letter).collect::<Vec<char, 8>>()
+        };
+        let nowhere = sprite(1.5, -9.0, &BLACK);
+        for (open, row) in [
+            (0.0, "RRRRYYYY"),
+            (0.25, "MMRRRRYY"),
+            (0.5, "MMMMRRRR"),
+            (1.0, "MMMMMMMM"),
+        ] {
+            let found = seen(open, nowhere);
+            assert!(found.iter().copied().eq(row.chars()), "{open}: {found:?}");
+        }
+        let behind = sprite(1.5, 3.0, &BLACK);
+        let before = sprite(1.5, 2.25, &BLACK);
+        let found = seen(0.5, behind);
+        assert!(found.iter().copied().eq("MMMKRRRR".chars()), "{found:?}");
+        let found = seen(0.5, before);
+        assert!(found.iter().copied().eq("KKKKKKKK".chars()), "{found:?}");
+    }
+
+    #[test]
+    fn walls_may_be_of_colors_without_a_palette() {
+        static HIGH: Texture<Rgb565, Rgb565> = Texture {
+            width: 2,
+            height: 1,
+            texels: &[Rgb565::RED, Rgb565::YELLOW],
+            palette: &[],
+        };
+        let high = Columns::<_, 0, _> {
+            grid: CELL,
+            walls: &[[&HIGH; 4]],
+            sprites: &[],
+            floor: Rgb565::GREEN,
+            ceiling: Rgb565::BLUE,
+        };
+        let view = view(MIDDLE, Vec3::new(1.0, 0.0, 0.375), 16, 12, 1.0);
+        let mut display = MockDisplay::new();
+        high.picture(&view).draw(&mut display).unwrap();
+        display.assert_eq(&draw(&ROOM, &view));
     }
 
     #[test]

@@ -4,9 +4,13 @@ use glam::Vec3;
 
 use crate::ray::Side;
 
+pub use doors::{Across, Door, DoorGrid, DoorWalk};
+
+mod doors;
+
 /// A map: cells of 1 by 1, from x = 0 and z = 0 on, seen from above with +x to the right and +z down.
 ///
-/// Cells may be in flash; in RAM, a door is a cell that a program empties.
+/// Cells may be in flash, or in RAM, where a program may change them. With doors it is a [`DoorGrid`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid<'a> {
     /// Cells along x.
@@ -68,15 +72,124 @@ impl Face {
     }
 }
 
-/// Where a ray passes between an empty and a solid cell.
+/// Where a ray passes between an empty and a solid cell, or meets a door.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Meeting {
     /// In lengths of the direction; above 0.
     pub t: f32,
-    /// The solid cell's place among [`Grid::cells`].
+    /// The solid cell's, or the door's, place among [`Grid::cells`].
     pub cell: usize,
-    /// The side of it.
+    /// The side of it; of a door the one from which the ray comes.
     pub face: Face,
+}
+
+/// A map that rays walk over: a [`Grid`], or one with doors. What a map's type does not have is not
+/// compiled.
+pub trait Plan<'a>: Copy {
+    /// A ray on its way.
+    type Walk: Way;
+
+    /// Its size and its cells.
+    fn grid(&self) -> &Grid<'a>;
+
+    /// What a wall or a door looks like: 1 and the kind of wall; 0 of an empty cell.
+    fn kind(&self, cell: usize) -> u8;
+
+    /// The door in a cell.
+    fn door(&self, cell: usize) -> Option<&'a Door>;
+
+    /// As [`Grid::walk`].
+    fn start(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<Self::Walk>;
+
+    /// The same from a side of a cell, or of a door, and not from where rounding has put the point.
+    fn leave(
+        &self,
+        left: (usize, Face, Side),
+        origin: Vec3,
+        direction: Vec3,
+        t_max: f32,
+    ) -> Option<Self::Walk>;
+
+    /// How far from the left edge of a side, seen from outside, a point on it is. The point is told as it
+    /// lies in the cell.
+    #[inline(always)]
+    fn across(&self, (cell, face): (usize, Face), from_west: f32, from_north: f32) -> f32 {
+        let (from_west, from_north) = match self.door(cell) {
+            // A door takes along what it shows.
+            Some(door) => (from_west - door.open, from_north - door.open),
+            None => (from_west, from_north),
+        };
+        match face {
+            Face::West => from_north,
+            Face::East => 1.0 - from_north,
+            Face::North => 1.0 - from_west,
+            _ => from_west,
+        }
+    }
+}
+
+/// A ray on its way over a [`Plan`].
+pub trait Way {
+    /// As [`Walk::cell`].
+    fn cell(&self) -> usize;
+
+    /// As [`Walk::ends_here`].
+    fn ends_here(&self) -> bool;
+
+    /// As [`Walk::next_wall`], or the next door, if that is nearer.
+    fn next_wall(&mut self) -> Option<Meeting>;
+}
+
+impl<'a> Plan<'a> for Grid<'a> {
+    type Walk = Walk<'a>;
+
+    #[inline(always)]
+    fn grid(&self) -> &Grid<'a> {
+        self
+    }
+
+    #[inline(always)]
+    fn kind(&self, cell: usize) -> u8 {
+        Grid::kind(self, cell)
+    }
+
+    #[inline(always)]
+    fn door(&self, _: usize) -> Option<&'a Door> {
+        None
+    }
+
+    #[inline(always)]
+    fn start(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<Walk<'a>> {
+        self.walk(origin, direction, t_max)
+    }
+
+    #[inline(always)]
+    fn leave(
+        &self,
+        left: (usize, Face, Side),
+        origin: Vec3,
+        direction: Vec3,
+        t_max: f32,
+    ) -> Option<Walk<'a>> {
+        self.walk_from(left, origin, direction, t_max)
+    }
+}
+
+impl Way for Walk<'_> {
+    #[inline(always)]
+    fn cell(&self) -> usize {
+        Walk::cell(self)
+    }
+
+    #[inline(always)]
+    fn ends_here(&self) -> bool {
+        Walk::ends_here(self)
+    }
+
+    #[inline(always)]
+    fn next_wall(&mut self) -> Option<Meeting> {
+        Walk::next_wall(self)
+    }
 }
 
 impl<'a> Grid<'a> {

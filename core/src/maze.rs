@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::candidates::Candidates;
 use crate::geometry::Geometry;
-use crate::grid::{Face, Grid};
+use crate::grid::{Face, Grid, Plan, Way};
 use crate::material::{Finish, Material};
 use crate::math::{Math, Passage};
 use crate::ray::{Departure, Ray};
@@ -16,6 +16,10 @@ use crate::ray::{Departure, Ray};
 /// inside of a wall meets its sides from there. Of equally near ones the floor or ceiling comes first.
 ///
 /// It may be paired with other geometries, whose lengths then count in cells.
+///
+/// The generic parameters are the material; what the sides of a kind of wall have, [one](Sides) or four;
+/// and the map: a [`Grid`], or a [`DoorGrid`](crate::grid::DoorGrid). A door has no thickness: its glass
+/// neither bends nor absorbs light.
 ///
 /// ```
 /// use whitted::grid::Grid;
@@ -32,29 +36,58 @@ use crate::ray::{Departure, Ray};
 /// assert_eq!((hit.t, hit.normal), (2.5, Vec3::NEG_X));
 /// ```
 #[derive(Debug, PartialEq)]
-pub struct Maze<'a, M = Material> {
+pub struct Maze<'a, M = Material, W = M, G = Grid<'a>> {
     /// The map.
-    pub grid: Grid<'a>,
+    pub grid: G,
     /// What walls are made of, by kind; a wall of a kind without material is not met.
-    pub walls: &'a [M],
+    pub walls: &'a [W],
     /// What the floor is made of.
     pub floor: &'a M,
     /// What the ceiling is made of; `None` where the map is open above.
     pub ceiling: Option<&'a M>,
 }
 
-impl<M> Clone for Maze<'_, M> {
+impl<M, W, G: Copy> Clone for Maze<'_, M, W, G> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<M> Copy for Maze<'_, M> {}
+impl<M, W, G: Copy> Copy for Maze<'_, M, W, G> {}
+
+/// What the sides of a kind of wall are made of: one material, or four.
+pub trait Sides<M> {
+    /// That of a side.
+    fn side(&self, face: Face) -> &M;
+}
+
+impl<M> Sides<M> for M {
+    #[inline(always)]
+    fn side(&self, _: Face) -> &M {
+        self
+    }
+}
+
+/// To the west, east, north and south.
+impl<M> Sides<M> for [M; 4] {
+    #[inline(always)]
+    fn side(&self, face: Face) -> &M {
+        self.get(face as usize).unwrap_or(&self[0])
+    }
+}
+
+/// To the west, east, north and south, of materials that walls share.
+impl<M> Sides<M> for [&M; 4] {
+    #[inline(always)]
+    fn side(&self, face: Face) -> &M {
+        self.get(face as usize).unwrap_or(&self[0])
+    }
+}
 
 /// Sides of a cell.
 const FACES: usize = Face::ALL.len();
 
-impl<'a, M> Maze<'a, M> {
+impl<M> Maze<'_, M> {
     /// The cell, as a place among [`Grid::cells`], and its side, of an object; `None` where there is no
     /// such object. `object` counts from the first of the map.
     #[inline]
@@ -68,14 +101,17 @@ impl<'a, M> Maze<'a, M> {
     pub fn object(cell: usize, face: Face) -> usize {
         cell.wrapping_mul(FACES).wrapping_add(face as usize)
     }
+}
 
+impl<'a, M, W: Sides<M>, G: Plan<'a>> Maze<'a, M, W, G> {
     fn material(&self, cell: usize, face: Face) -> Option<&'a M> {
         match face {
             Face::Floor => Some(self.floor),
             Face::Ceiling => self.ceiling,
             _ => self
                 .walls
-                .get((self.grid.kind(cell) as usize).wrapping_sub(1)),
+                .get((self.grid.kind(cell) as usize).wrapping_sub(1))
+                .map(|sides| sides.side(face)),
         }
     }
 
@@ -93,7 +129,7 @@ impl<'a, M> Maze<'a, M> {
             Some(Departure { object, side }) => {
                 let place = object.wrapping_sub(first);
                 let is_here = place < Geometry::len(self);
-                Self::place(place)
+                Maze::<M>::place(place)
                     .filter(|_| is_here)
                     .map(|(cell, face)| (cell, face, side))
             }
@@ -114,8 +150,8 @@ impl<'a, M> Maze<'a, M> {
         let walk = match left {
             // Out of the map.
             Some((_, face, _)) if face == level && direction.y != 0.0 => return,
-            Some(left) => self.grid.walk_from(left, origin, direction, limit),
-            None if origin.y >= 0.0 && origin.y <= 1.0 => self.grid.walk(origin, direction, limit),
+            Some(left) => self.grid.leave(left, origin, direction, limit),
+            None if origin.y >= 0.0 && origin.y <= 1.0 => self.grid.start(origin, direction, limit),
             None => return,
         };
         let Some(mut walk) = walk else { return };
@@ -139,19 +175,19 @@ impl<'a, M> Maze<'a, M> {
     }
 }
 
-impl<M> Geometry for Maze<'_, M> {
+impl<'a, M, W: Sides<M>, G: Plan<'a>> Geometry for Maze<'a, M, W, G> {
     type Material = M;
 
     #[inline]
     fn len(&self) -> usize {
-        self.grid.len().wrapping_mul(FACES)
+        self.grid.grid().len().wrapping_mul(FACES)
     }
 
     #[inline]
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, _: Candidates) -> Option<usize> {
         let mut nearest = None;
         self.visit(&*ray, first, |t, (cell, face), _| {
-            nearest = Some((t, Self::object(cell, face)));
+            nearest = Some((t, Maze::<M>::object(cell, face)));
             true
         });
         let (t, object) = nearest?;
@@ -161,8 +197,26 @@ impl<M> Geometry for Maze<'_, M> {
 
     #[inline]
     fn surface<P: Math>(&self, _: &Ray, _: f32, object: usize, first: usize) -> Option<(Vec3, &M)> {
-        let (cell, face) = Self::place(object.wrapping_sub(first))?;
+        let (cell, face) = Maze::<M>::place(object.wrapping_sub(first))?;
         Some((face.normal(), self.material(cell, face)?))
+    }
+
+    /// From the left lower corner of a wall's side to its right upper one, seen from outside; both below 1.
+    /// Of floors and ceilings x and -z.
+    #[inline]
+    fn uv(&self, point: Vec3, object: usize, first: usize) -> (f32, f32) {
+        let Some((cell, face)) = Maze::<M>::place(object.wrapping_sub(first)) else {
+            return (0.0, 0.0);
+        };
+        if matches!(face, Face::Floor | Face::Ceiling) {
+            return (point.x, 0.0 - point.z);
+        }
+        let width = (self.grid.grid().width as usize).max(1);
+        let (x, z) = (cell % width, cell / width);
+        let across = (self.grid).across((cell, face), point.x - x as f32, point.z - z as f32);
+        // Rounding may have put the point over the edge.
+        let below_one = |place: f32| place.clamp(0.0, 1.0 - 0.5 * f32::EPSILON);
+        (below_one(across), below_one(point.y))
     }
 
     #[inline]
@@ -198,6 +252,7 @@ impl<M> Geometry for Maze<'_, M> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::{Across, Door, DoorGrid};
     use crate::material::Glass;
     use crate::ray::Hit;
 
@@ -409,6 +464,142 @@ mod tests {
         let first = maze.closest_hit(&ray).unwrap();
         let second = maze.closest_hit(&first.through(Vec3::X)).unwrap();
         assert_eq!((second.t, second.front), (1.0, false));
+    }
+
+    #[test]
+    fn doors_are_met_and_left_on_both_sides() {
+        let glass = |transmittance| Material {
+            color: Vec3::ONE,
+            ambient: 0.0,
+            diffuse: 0.0,
+            highlight: (),
+            reflection: (),
+            transmission: Glass {
+                transmittance,
+                ior: 1.0,
+            },
+        };
+        let (stone, pane) = (glass(0.0), glass(0.5));
+        let doors = [Door {
+            kind: 2,
+            across: Across::X,
+            open: 0.25,
+        }];
+        let maze = Maze {
+            grid: DoorGrid {
+                grid: Grid {
+                    width: 5,
+                    depth: 3,
+                    cells: &[1, 1, 1, 1, 1, 1, 0, 3, 0, 1, 1, 1, 1, 1, 1],
+                },
+                first: 3,
+                doors: &doors,
+            },
+            walls: &[stone, pane],
+            floor: &stone,
+            ceiling: None,
+        };
+        let ray = Ray::new(Vec3::new(1.5, 0.5, 1.5), Vec3::X);
+        let first = maze.closest_hit(&ray).unwrap();
+        let place = Maze::<Material>::object(7, Face::West);
+        assert_eq!(
+            (first.t, first.normal, first.object),
+            (1.0, Vec3::NEG_X, place)
+        );
+        let t = |ray: Ray| maze.closest_hit(&ray).map(|it| it.t);
+        assert_eq!(t(first.through(Vec3::X)), Some(1.5));
+        assert_eq!(t(first.back(Vec3::NEG_X)), Some(1.5));
+        for slip in [1e-6, -1e-6] {
+            let slipped = Hit {
+                point: first.point + Vec3::X * slip,
+                ..first
+            };
+            for (ray, t) in [
+                (slipped.through(Vec3::X), 1.5 - slip),
+                (slipped.back(Vec3::NEG_X), 1.5 + slip),
+            ] {
+                let found = maze.closest_hit(&ray).unwrap();
+                assert!(
+                    (found.t - t).abs() < 1e-6 && found.object % 6 < 2,
+                    "{found:?}"
+                );
+            }
+        }
+        // Back from the far wall: the other side of the panel, and then the near wall.
+        let far = maze.closest_hit(&first.through(Vec3::X)).unwrap();
+        let behind = maze.closest_hit(&far.back(Vec3::NEG_X)).unwrap();
+        assert_eq!((behind.t, behind.normal), (1.5, Vec3::X));
+        assert_eq!(behind.object, Maze::<Material>::object(7, Face::East));
+        assert_eq!(t(behind.through(Vec3::NEG_X)), Some(1.5));
+        // Through the gap, and down on the floor below the panel, from either side of it.
+        let beside = Ray::new(Vec3::new(1.5, 0.5, 1.125), Vec3::X);
+        assert_eq!(t(beside), Some(2.5));
+        for x in [2.25, 2.75] {
+            let down = Ray::new(Vec3::new(x, 0.5, 1.5), Vec3::NEG_Y);
+            let floor = maze.closest_hit(&down).unwrap();
+            let place = Maze::<Material>::object(7, Face::Floor);
+            assert_eq!((floor.t, floor.object), (0.5, place));
+            assert_eq!(
+                t(floor.back(Vec3::X)),
+                Some(if x < 2.5 { 0.25 } else { 1.25 })
+            );
+        }
+        // A pane is crossed once.
+        let to = |t_max| maze.transmittance(&Ray { t_max, ..ray });
+        assert_eq!([1.0, 1.25, 2.5, 2.625].map(to), [1.0, 0.5, 0.5, 0.0]);
+        assert_eq!(maze.transmittance(&beside), 0.0);
+        let within = Ray {
+            t_max: 2.25,
+            ..beside
+        };
+        assert_eq!(maze.transmittance(&within), 1.0);
+    }
+
+    #[test]
+    fn sides_have_materials_and_places_of_their_own() {
+        let doors = [Door {
+            kind: 1,
+            across: Across::Z,
+            open: 0.25,
+        }];
+        // A door to the south, in a wall.
+        let maze = Maze {
+            grid: DoorGrid {
+                grid: Grid {
+                    width: 3,
+                    depth: 4,
+                    cells: &[1, 1, 1, 1, 0, 1, 1, 2, 1, 1, 1, 1],
+                },
+                first: 2,
+                doors: &doors,
+            },
+            walls: &[[1, 2, 3, 4]],
+            floor: &5,
+            ceiling: Some(&6),
+        };
+        let eye = Vec3::new(1.375, 0.5, 1.25);
+        let cases = [
+            (Vec3::NEG_X, 2, (0.75, 0.5)),
+            (Vec3::X, 1, (0.25, 0.5)),
+            (Vec3::NEG_Z, 4, (0.375, 0.5)),
+            // The door takes its picture along.
+            (Vec3::Z, 3, (0.875, 0.5)),
+            (Vec3::new(0.0, -0.5, 0.25), 5, (1.375, -1.5)),
+            (Vec3::new(0.0, 0.5, 0.25), 6, (1.375, -1.5)),
+        ];
+        for (direction, material, (u, v)) in cases {
+            let hit = maze.closest_hit(&Ray::new(eye, direction)).unwrap();
+            let uv = maze.uv(hit.point, hit.object, 0);
+            assert_eq!(*hit.material, material, "{direction}");
+            assert!(
+                (uv.0 - u).abs() < 1e-6 && (uv.1 - v).abs() < 1e-6,
+                "{direction}: {uv:?}"
+            );
+        }
+        let wall = Maze::<u8>::object(5, Face::West);
+        let above = maze.uv(Vec3::new(2.0, 1.000_1, 2.000_1), 7 + wall, 7);
+        let edge = 1.0 - 0.5 * f32::EPSILON;
+        assert_eq!(above, (edge, edge), "as if it were on the wall");
     }
 
     #[test]

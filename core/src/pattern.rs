@@ -7,7 +7,7 @@
 use embedded_graphics::pixelcolor::{Rgb565, Rgb888, RgbColor};
 use glam::Vec3;
 
-use crate::columns::Texture;
+use crate::columns::{Texel, Texture};
 use crate::math::dot;
 
 /// A place on a surface, as patterns see it.
@@ -173,8 +173,8 @@ impl Lit for [u8; 3] {
     }
 }
 
-/// A bitmap with a palette: a byte a pixel.
-impl<C: Lit + Copy> Image for Texture<'_, C> {
+/// A bitmap with a palette, a byte a pixel, or of colors.
+impl<C: Lit, T: Texel<C>> Image for Texture<'_, C, T> {
     #[inline(always)]
     fn width(&self) -> u32 {
         self.width.into()
@@ -188,9 +188,9 @@ impl<C: Lit + Copy> Image for Texture<'_, C> {
     #[inline]
     fn pixel(&self, column: u32, row: u32) -> Vec3 {
         let place = column as usize * self.height as usize + row as usize;
-        let texel = self.texels.get(place).copied();
-        let color = texel.and_then(|it| self.palette.get(it as usize));
-        color.map_or(Vec3::ZERO, |&it| it.light())
+        let texel = self.texels.get(place);
+        let color = texel.and_then(|it| it.color(self.palette));
+        color.map_or(Vec3::ZERO, |it| it.light())
     }
 }
 

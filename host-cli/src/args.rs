@@ -140,7 +140,8 @@ pub struct Compare {
 /// waits.
 #[derive(Debug, Args)]
 pub struct Cast {
-    /// Scene file, .nff or .toml
+    /// Scene file, .nff or .toml, or .map, of which `shape` is wall, door, floor or ceiling and `index`
+    /// the cell, row after row
     pub scene: PathBuf,
 
     /// Only tell whether anything is in between, transparent or not: {"occluded":true}
@@ -151,7 +152,7 @@ pub struct Cast {
 /// Tell what a scene needs
 #[derive(Debug, Args)]
 pub struct Inspect {
-    /// Scene file, .nff or .toml
+    /// Scene file, .nff or .toml, or .map
     pub scene: PathBuf,
 
     /// Write JSON

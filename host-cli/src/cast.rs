@@ -7,6 +7,7 @@ use serde::Serialize;
 use thiserror::Error;
 use whitted::{Geometry, Ray};
 
+use crate::map::HostMap;
 use crate::scene::HostScene;
 use crate::scene_file::Scale;
 
@@ -134,9 +135,9 @@ pub enum Answer<'a> {
         normal: [f32; 3],
         /// Whether that is the outward side.
         front: bool,
-        /// [`crate::scene_file::Shape::name`].
+        /// [`crate::scene_file::Shape::name`]; of a map `wall`, `door`, `floor` or `ceiling`.
         shape: &'static str,
-        /// [`crate::scene_file::Object::index`].
+        /// [`crate::scene_file::Object::index`]; of a map the cell, row after row.
         index: usize,
         /// [`crate::scene_file::Material::name`].
         material: &'a str,
@@ -160,10 +161,39 @@ pub enum Answer<'a> {
     },
 }
 
-/// Casts one ray.
-pub fn cast<'a>(scene: &HostScene<'a>, given: &GivenRay, query: Query) -> Answer<'a> {
-    let ray = given.cast(scene.scale());
-    let geometry = scene.whole(|it| it);
+/// Something that answers rays.
+pub trait Cast {
+    /// Answers one.
+    fn cast(&self, given: &GivenRay, query: Query) -> Answer<'_>;
+}
+
+impl Cast for HostScene<'_> {
+    fn cast(&self, given: &GivenRay, query: Query) -> Answer<'_> {
+        cast(&self.whole(|it| it), self.scale(), given, query, |object| {
+            let object = self.in_file(object);
+            let material = &self.file().materials[object.material].name;
+            Some((object.shape.name(), object.index, material.as_str()))
+        })
+    }
+}
+
+/// Walls, doors, floor and ceiling; they are counted by cells.
+impl Cast for HostMap<'_> {
+    fn cast(&self, given: &GivenRay, query: Query) -> Answer<'_> {
+        let maze = self.scene().geometry;
+        cast(&maze, Scale::default(), given, query, |it| self.in_file(it))
+    }
+}
+
+/// Casts one ray; `named` tells an object's shape, its index and its material's name.
+fn cast<'a>(
+    geometry: &impl Geometry,
+    scale: Scale,
+    given: &GivenRay,
+    query: Query,
+    named: impl FnOnce(usize) -> Option<(&'static str, usize, &'a str)>,
+) -> Answer<'a> {
+    let ray = given.cast(scale);
     if query == Query::Occluded {
         return Answer::Occluded {
             occluded: geometry.occluded(&ray),
@@ -172,23 +202,22 @@ pub fn cast<'a>(scene: &HostScene<'a>, given: &GivenRay, query: Query) -> Answer
     let Some(hit) = geometry.closest_hit(&ray) else {
         return Answer::Miss { hit: false };
     };
-    let scale = scene.scale();
     let t = (scale.unscaled(hit.t) / length(given.direction)) as f32;
     let point = hit.point.to_array().map(|it| scale.unscaled(it) as f32);
     // Beyond the range of f32, or on a surface so small that its points are one.
-    if !t.is_finite() || !point.iter().all(|it| it.is_finite()) || !hit.normal.is_finite() {
-        return Answer::Miss { hit: false };
-    }
-    let object = scene.in_file(hit.object);
-    Answer::Hit {
-        hit: true,
-        t,
-        point,
-        normal: hit.normal.to_array(),
-        front: hit.front,
-        shape: object.shape.name(),
-        index: object.index,
-        material: &scene.file().materials[object.material].name,
+    let is_told = t.is_finite() && point.iter().all(|it| it.is_finite()) && hit.normal.is_finite();
+    match named(hit.object).filter(|_| is_told) {
+        None => Answer::Miss { hit: false },
+        Some((shape, index, material)) => Answer::Hit {
+            hit: true,
+            t,
+            point,
+            normal: hit.normal.to_array(),
+            front: hit.front,
+            shape,
+            index,
+            material,
+        },
     }
 }
 
@@ -207,7 +236,7 @@ pub struct Lines {
 ///
 /// Where reading or writing fails.
 pub fn cast_lines(
-    scene: &HostScene<'_>,
+    scene: &impl Cast,
     query: Query,
     input: impl Read,
     output: &mut impl Write,
@@ -223,7 +252,7 @@ pub fn cast_lines(
             Err(_) => Err(RayError::NotText),
         };
         let answer = match ray {
-            Ok(ray) => cast(scene, &ray, query),
+            Ok(ray) => scene.cast(&ray, query),
             Err(error) => {
                 lines.bad += 1;
                 Answer::Error {

@@ -15,7 +15,10 @@ use crate::paint::Paint;
 use crate::scene::{HostScene, Material, Pool};
 use crate::scene_file::{Extent, Object, Place, SceneFile, Shape, Solid};
 
+pub use map::{MapReport, inspect_map};
+
 mod coincidence;
+mod map;
 
 /// What [`inspect`] found.
 #[derive(Clone, Debug, PartialEq, Serialize)]

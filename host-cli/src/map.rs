@@ -4,24 +4,24 @@ use std::ops::Range;
 
 use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use glam::Vec3;
-use rayon::prelude::*;
 use whitted::columns::{Columns, Sprite, Texture};
-use whitted::picture::{quantize, row};
-use whitted::{Camera, Counters, Exact, Grid, Maze, Scene, Tracer, View};
+use whitted::grid::{DoorGrid, Face, Plan};
+use whitted::picture::quantize;
+use whitted::{Camera, Counters, Grid, Maze, Scene, View};
 
-use crate::render::Settings;
+use crate::render::{Sampling, Settings, supersample, trace_sampled};
 use crate::scene::{self, Light, Material};
-use crate::scene_file::Scale;
-use crate::scene_file::limits;
-use crate::scene_file::map::{MapFile, SPRITES};
+use crate::scene_file::map::{MapFile, SPRITES, Wall};
 use crate::scene_file::texture::Bitmap;
-use crate::scene_file::{SceneError, proportions};
+use crate::scene_file::{Pattern, Scale, SceneError, proportions};
 
-/// A map's colors, materials and lights.
+/// A map to trace.
+pub type HostMaze<'a> = Maze<'a, Material, [Material; 4], DoorGrid<'a>>;
+
+/// A map's materials and lights.
 pub struct HostMap<'a> {
     file: &'a MapFile,
-    palettes: Vec<Vec<Rgb888>>,
-    walls: Vec<Material>,
+    walls: Vec<[Material; 4]>,
     floor: Material,
     ceiling: Option<Material>,
     lights: Vec<Light>,
@@ -30,16 +30,9 @@ pub struct HostMap<'a> {
 impl<'a> HostMap<'a> {
     /// Takes them from a file.
     pub fn new(file: &'a MapFile) -> Self {
-        let color = |&[red, green, blue]: &[u8; 3]| Rgb888::new(red, green, blue);
-        let palette = |it: &Bitmap| it.palette.iter().map(color).collect();
         Self {
             file,
-            palettes: file.textures.iter().map(palette).collect(),
-            walls: file
-                .walls
-                .iter()
-                .map(|it| scene::material(&it.material, Scale::default()))
-                .collect(),
+            walls: file.walls.iter().map(|it| sides(file, it)).collect(),
             floor: scene::material(&file.floor, Scale::default()),
             ceiling: (file.ceiling.as_ref()).map(|it| scene::material(it, Scale::default())),
             lights: file
@@ -83,17 +76,21 @@ impl<'a> HostMap<'a> {
     }
 
     /// The plan.
-    pub fn grid(&self) -> Grid<'_> {
+    pub fn grid(&self) -> DoorGrid<'_> {
         let [width, depth] = self.file.cells;
-        Grid {
-            width,
-            depth,
-            cells: &self.file.plan,
+        DoorGrid {
+            grid: Grid {
+                width,
+                depth,
+                cells: &self.file.plan,
+            },
+            first: self.file.first_door,
+            doors: &self.file.doors,
         }
     }
 
     /// The maze, for tracing.
-    pub fn scene(&self) -> Scene<'_, Maze<'_, Material>, Light> {
+    pub fn scene(&self) -> Scene<'_, HostMaze<'_>, Light> {
         Scene {
             geometry: Maze {
                 grid: self.grid(),
@@ -117,8 +114,29 @@ impl<'a> HostMap<'a> {
         })
     }
 
-    /// Draws rows of the picture by columns and gives them to `emit`, in order, some whole rows at a
-    /// time, as linear RGB that is written as the bytes of the textures.
+    /// What a hit object is called, its cell, counted row after row, and its material's name.
+    pub fn in_file(&self, object: usize) -> Option<(&'static str, usize, &'a str)> {
+        let file = self.file;
+        let (cell, face) = Maze::<Material>::place(object)?;
+        let (kind, material) = match face {
+            Face::Floor => ("floor", &file.floor),
+            Face::Ceiling => ("ceiling", file.ceiling.as_ref()?),
+            _ => {
+                let grid = self.grid();
+                let kind = usize::from(grid.kind(cell)).checked_sub(1)?;
+                let name = match grid.door(cell) {
+                    Some(_) => "door",
+                    None => "wall",
+                };
+                (name, &file.walls.get(kind)?.material)
+            }
+        };
+        Some((kind, cell, &material.name))
+    }
+
+    /// Draws rows of the picture by columns, `samples` × `samples` places a pixel, and gives them to
+    /// `emit`, in order, some whole rows at a time, as linear RGB that is written as the bytes of the
+    /// textures.
     ///
     /// # Errors
     ///
@@ -127,57 +145,79 @@ impl<'a> HostMap<'a> {
         &self,
         view: &View,
         rows: Range<u32>,
+        samples: u32,
         mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let textures: Vec<_> = self
-            .file
-            .textures
-            .iter()
-            .zip(&self.palettes)
-            .map(|(bitmap, palette)| Texture {
-                width: bitmap.width,
-                height: bitmap.height,
-                texels: &bitmap.texels,
-                palette,
+        let textures: Vec<_> = (self.file.textures.iter())
+            .map(|it| (it.size(), it.pixels()))
+            .collect();
+        let textures: Vec<_> = (textures.iter())
+            .map(|([width, height], texels)| Texture {
+                width: *width,
+                height: *height,
+                texels,
+                palette: &[],
             })
             .collect();
         let faces = |it: [usize; 4]| it.map(|place| &textures[place]);
         let walls: Vec<_> = self.file.walls.iter().map(|it| faces(it.faces)).collect();
-        let sprites = self.file.sprites.iter().map(|it| Sprite {
+        let palettes: Vec<Vec<Rgb888>> = (self.file.sprites.iter())
+            .map(|it| palette(self.file.bitmap(it.texture)))
+            .collect();
+        let bitmaps: Vec<_> = (self.file.sprites.iter().zip(&palettes))
+            .filter_map(|(it, palette)| {
+                let bitmap = self.file.bitmap(it.texture)?;
+                Some(Texture {
+                    width: bitmap.width,
+                    height: bitmap.height,
+                    texels: &bitmap.texels,
+                    palette,
+                })
+            })
+            .collect();
+        let sprites = self.file.sprites.iter().zip(&bitmaps);
+        let sprites = sprites.map(|(it, texture)| Sprite {
             position: vector(it.position),
             width: it.width as f32,
             height: it.height as f32,
-            texture: &textures[it.texture],
+            texture,
         });
         let sprites: Vec<_> = sprites.collect();
         let [floor, ceiling] = self.plain_colors();
-        let columns: Columns<'_, Rgb888, SPRITES> = Columns {
+        let columns: Columns<'_, Rgb888, SPRITES, _, _> = Columns {
             grid: self.grid(),
             walls: &walls,
             sprites: &sprites,
             floor,
             ceiling,
         };
-        let picture = columns.picture(view);
-        let width = view.width as usize;
-        let mut start = rows.start;
-        while start < rows.end {
-            let height = (BATCH / width).clamp(1, (rows.end - start) as usize);
-            let mut pixels = vec![Vec3::ZERO; width * height];
-            for column in 0..view.width {
-                let band = picture.pixels(column).skip(start as usize).take(height);
-                for (row, color) in band.enumerate() {
-                    let bytes = [color.r(), color.g(), color.b()].map(f32::from);
-                    pixels[row * width + column as usize] = Vec3::from_array(bytes) / 255.0;
+        let lines =
+            |view: &View, rows: Range<u32>, emit: &mut dyn FnMut(&[Vec3]) -> Result<(), E>| {
+                let picture = columns.picture(view);
+                let width = view.width as usize;
+                let mut start = rows.start;
+                while start < rows.end {
+                    let height = (BATCH / width).clamp(1, (rows.end - start) as usize);
+                    let mut pixels = vec![Vec3::ZERO; width * height];
+                    for column in 0..view.width {
+                        let band = picture.pixels(column).skip(start as usize).take(height);
+                        for (row, color) in band.enumerate() {
+                            let bytes = [color.r(), color.g(), color.b()].map(f32::from);
+                            pixels[row * width + column as usize] = Vec3::from_array(bytes) / 255.0;
+                        }
+                    }
+                    emit(&pixels)?;
+                    start += height as u32;
                 }
-            }
-            emit(&pixels)?;
-            start += height as u32;
+                Ok(())
+            };
+        match samples {
+            1 => lines(view, rows, &mut emit),
+            _ => supersample(view, rows, samples, emit, lines),
         }
-        Ok(())
     }
 
-    /// Traces rows of the picture and gives them to `emit`, as [`crate::render::render`] does.
+    /// Traces rows of the picture and gives them to `emit`, as [`crate::render::render_sampled`] does.
     ///
     /// # Errors
     ///
@@ -187,40 +227,42 @@ impl<'a> HostMap<'a> {
         view: &View,
         rows: Range<u32>,
         settings: Settings,
+        sampling: Sampling,
         row_done: impl Fn() + Sync,
-        mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+        emit: impl FnMut(&[Vec3]) -> Result<(), E>,
     ) -> Result<Counters, E> {
-        let scene = self.scene();
-        let width = view.width as usize;
-        let mut counters = Counters::default();
-        let mut pixels = Vec::new();
-        let mut start = rows.start;
-        while start < rows.end {
-            let height = (BATCH / width).clamp(1, (rows.end - start) as usize);
-            pixels.resize(width * height, Vec3::ZERO);
-            let band = pixels
-                .par_chunks_mut(width)
-                .zip(start..start + height as u32);
-            let counted = band.map(|(pixels, y)| {
-                let counters = Counters::default();
-                let mut tracer = Tracer::<{ limits::DEPTH }, Exact, _>::with(counters);
-                tracer.depth = settings.depth;
-                tracer.threshold = settings.threshold;
-                for (pixel, color) in pixels.iter_mut().zip(row(&scene, view, y, &mut tracer)) {
-                    *pixel = color;
-                }
-                row_done();
-                tracer.counters
-            });
-            counters += counted.reduce(Counters::default, |mut sum, more| {
-                sum += more;
-                sum
-            });
-            emit(&pixels)?;
-            start += height as u32;
-        }
-        Ok(counters)
+        trace_sampled(
+            &self.scene(),
+            view,
+            rows,
+            settings,
+            sampling,
+            row_done,
+            emit,
+        )
     }
+}
+
+/// What the sides of a wall are made of.
+fn sides(file: &MapFile, wall: &Wall) -> [Material; 4] {
+    std::array::from_fn(|side| {
+        let mut material = wall.material.clone();
+        if wall.is_textured[side] {
+            material.pattern = Some(Pattern::Image {
+                texture: file.textures[wall.faces[side]].clone(),
+                repeat: [1.0; 2],
+                blend: false,
+            });
+        }
+        scene::material(&material, Scale::default())
+    })
+}
+
+fn palette(bitmap: Option<&Bitmap>) -> Vec<Rgb888> {
+    let colors = bitmap.into_iter().flat_map(|it| &it.palette);
+    colors
+        .map(|&[red, green, blue]| Rgb888::new(red, green, blue))
+        .collect()
 }
 
 /// A point or a color, as it is cast.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use fearless_simd::Level;
 use glam::Vec3;
 use rayon::prelude::*;
-use whitted::antialiasing::{Adaptive, magnified, share, shown};
+use whitted::antialiasing::{Adaptive, MOST, magnified, share, shown};
 use whitted::picture::{quantize, to_rgb8};
 use whitted::{Counters, Exact, Geometry, Object, Scene, Tracer, View};
 
@@ -81,46 +81,91 @@ pub fn render_sampled<E>(
     match sampling {
         Sampling::Middle => render_whole(host, view, rows, settings, row_done, emit),
         Sampling::Regular(samples) => {
-            supersample(host, view, rows, settings, samples, row_done, emit)
+            let line_done = every(samples, row_done);
+            supersample(view, rows, samples, emit, |fine, rows, add| {
+                render_whole(host, fine, rows, settings, line_done, add)
+            })
         }
         Sampling::Adaptive { bound, levels } => {
-            let (scene, geometry) = (host.scene(), host.whole(Wide::new));
-            let band = |rows, pixels: &mut [Vec3]| {
-                let band = match levels {
-                    ..=1 => adaptive_rows::<_, 3>,
-                    2 => adaptive_rows::<_, 5>,
-                    3 => adaptive_rows::<_, 9>,
-                    4.. => adaptive_rows::<_, 17>,
-                };
-                band(&geometry, &scene, view, rows, settings, bound, pixels)
-            };
-            // Only the rays of a band's upper edge are traced twice.
-            bands(view, rows, 16, band, row_done, emit)
+            let geometry = host.whole(Wide::new);
+            let scene = host.scene();
+            let scene = over(&geometry, &scene);
+            adaptive(
+                &scene,
+                view,
+                rows,
+                settings,
+                (bound, levels),
+                row_done,
+                emit,
+            )
         }
     }
 }
 
-/// Renders a larger picture, and adds its pixels up as [`whitted::antialiasing::supersampled_row`] does.
-fn supersample<E>(
-    host: &HostScene<'_>,
+/// As [`render_sampled`], any scene, ray by ray.
+///
+/// # Errors
+///
+/// As [`render`]'s.
+pub fn trace_sampled<G, E>(
+    scene: &Scene<'_, G, Light>,
     view: &View,
     rows: Range<u32>,
     settings: Settings,
-    samples: u32,
+    sampling: Sampling,
     row_done: impl Fn() + Sync,
     mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
-) -> Result<Counters, E> {
+) -> Result<Counters, E>
+where
+    G: Geometry<Material = Material> + Sync,
+{
+    let traced = |view: &View,
+                  rows: Range<u32>,
+                  row_done: &(dyn Fn() + Sync),
+                  emit: &mut dyn FnMut(&[Vec3]) -> Result<(), E>| {
+        let band = |rows, pixels: &mut [Vec3]| trace_lines(scene, view, rows, settings, pixels);
+        bands(view, rows, 1, band, row_done, emit)
+    };
+    match sampling {
+        Sampling::Middle => traced(view, rows, &row_done, &mut emit),
+        Sampling::Regular(samples) => {
+            let line_done = every(samples, row_done);
+            supersample(view, rows, samples, emit, |fine, rows, add| {
+                traced(fine, rows, &line_done, add)
+            })
+        }
+        Sampling::Adaptive { bound, levels } => {
+            adaptive(scene, view, rows, settings, (bound, levels), row_done, emit)
+        }
+    }
+}
+
+/// Calls `done` every so many times that it is called.
+fn every(times: u32, done: impl Fn() + Sync) -> impl Fn() + Sync {
+    let times = times.clamp(1, MOST);
+    let calls = AtomicU32::new(0);
+    move || {
+        if calls.fetch_add(1, Relaxed) % times == times - 1 {
+            done();
+        }
+    }
+}
+
+/// Has `render` make rows of a larger picture, and adds its pixels up as
+/// [`whitted::antialiasing::supersampled_row`] does.
+pub(crate) fn supersample<E, R>(
+    view: &View,
+    rows: Range<u32>,
+    samples: u32,
+    mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+    render: impl FnOnce(&View, Range<u32>, &mut dyn FnMut(&[Vec3]) -> Result<(), E>) -> Result<R, E>,
+) -> Result<R, E> {
     let fine = magnified(view, samples);
     let samples = fine.width / view.width;
-    let lines = AtomicU32::new(0);
-    let line_done = || {
-        if lines.fetch_add(1, Relaxed) % samples == samples - 1 {
-            row_done();
-        }
-    };
     let mut sums = vec![Vec3::ZERO; view.width as usize];
     let mut added = 0;
-    let add = |radiances: &[Vec3]| {
+    let mut add = |radiances: &[Vec3]| {
         for line in radiances.chunks_exact(fine.width as usize) {
             for (sum, radiances) in sums.iter_mut().zip(line.chunks_exact(samples as usize)) {
                 for &radiance in radiances {
@@ -138,23 +183,47 @@ fn supersample<E>(
         Ok(())
     };
     let fine_rows = rows.start * samples..rows.end * samples;
-    render_whole(host, &fine, fine_rows, settings, line_done, add)
+    render(&fine, fine_rows, &mut add)
+}
+
+/// A picture with adaptive anti-aliasing.
+fn adaptive<G, E>(
+    scene: &Scene<'_, G, Light>,
+    view: &View,
+    rows: Range<u32>,
+    settings: Settings,
+    (bound, levels): (f32, u32),
+    row_done: impl Fn() + Sync,
+    emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+) -> Result<Counters, E>
+where
+    G: Geometry<Material = Material> + Sync,
+{
+    let band = |rows, pixels: &mut [Vec3]| {
+        let band = match levels {
+            ..=1 => adaptive_rows::<_, 3>,
+            2 => adaptive_rows::<_, 5>,
+            3 => adaptive_rows::<_, 9>,
+            4.. => adaptive_rows::<_, 17>,
+        };
+        band(scene, view, rows, settings, bound, pixels)
+    };
+    // Only the rays of a band's upper edge are traced twice.
+    bands(view, rows, 16, band, row_done, emit)
 }
 
 /// Rows with adaptive anti-aliasing.
 fn adaptive_rows<G: Geometry<Material = Material>, const N: usize>(
-    geometry: &G,
-    scene: &AnyScene<'_>,
+    scene: &Scene<'_, G, Light>,
     view: &View,
     rows: Range<u32>,
     settings: Settings,
     bound: f32,
     pixels: &mut [Vec3],
 ) -> Counters {
-    let scene = over(geometry, scene);
     let mut shared = vec![Vec3::ZERO; view.width as usize * (N - 1) + 1];
     let tracer = tracer(settings);
-    let mut adaptive = Adaptive::<_, _, _, _, _, N>::new(&scene, *view, tracer, bound, &mut shared);
+    let mut adaptive = Adaptive::<_, _, _, _, _, N>::new(scene, *view, tracer, bound, &mut shared);
     for (row, pixels) in rows.zip(pixels.chunks_exact_mut(view.width as usize)) {
         for (pixel, radiance) in pixels.iter_mut().zip(adaptive.row(row)) {
             *pixel = radiance;
@@ -241,11 +310,20 @@ fn trace_rows(
     settings: Settings,
     pixels: &mut [Vec3],
 ) -> Counters {
-    let scene = over(geometry, scene);
+    trace_lines(&over(geometry, scene), view, rows, settings, pixels)
+}
+
+fn trace_lines<G: Geometry<Material = Material>>(
+    scene: &Scene<'_, G, Light>,
+    view: &View,
+    rows: Range<u32>,
+    settings: Settings,
+    pixels: &mut [Vec3],
+) -> Counters {
     let mut tracer = tracer(settings);
     let rays = rows.flat_map(|row| view.rays(row));
     for (pixel, ray) in pixels.iter_mut().zip(rays) {
-        *pixel = tracer.radiance(&scene, ray);
+        *pixel = tracer.radiance(scene, ray);
     }
     tracer.counters
 }

@@ -12,9 +12,10 @@ use whitted::Vec3;
 use whitted::embedded_graphics::pixelcolor::{IntoStorage, Rgb565, Rgb888};
 use whitted_cli::bake::{Module, bake, bake_map};
 use whitted_cli::map::HostMap;
-use whitted_cli::render::{Settings, render_whole};
+use whitted_cli::render::{Sampling, Settings, render_whole};
 use whitted_cli::scene::{HostScene, Pool};
-use whitted_cli::scene_file::{self, SceneFile, map};
+use whitted_cli::scene_file::map::{self, MapFile};
+use whitted_cli::scene_file::{self, SceneFile};
 
 const WIDTH: u32 = 40;
 const HEIGHT: u32 = 30;
@@ -230,10 +231,34 @@ fn castle_path() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/castle.map")
 }
 
+/// A map some of whose walls have more colors than a palette, and holes.
+fn hall() -> MapFile {
+    let folder = tempfile::tempdir().unwrap();
+    let mut shades = "P3\n20 15\n255\n".to_owned();
+    for i in 0..300 {
+        let _ = writeln!(shades, "{} {} {}", i % 256, (i * 7) % 256, i / 2);
+    }
+    fs::write(folder.path().join("shades.ppm"), shades).unwrap();
+    let text = "ambient = [0.5, 0.5, 0.5]\nplan = '''\n#####\n#.D.%\n#####\n'''\nfloor = 'stone'\n\
+        player = { position = [1.1, 1.4], direction = [1, 0.1], fov = 70 }\n\
+        [[light]]\nposition = [1.5, 0.9, 1.5]\n\
+        [material.stone]\ncolor = [0.5, 0.25, 1]\n\
+        [texture.shades]\nfile = 'shades.ppm'\n\
+        [texture.net]\nrows = ['a.', '.a']\ncolors = { a = [1, 0, 0] }\n\
+        [wall.'#']\nmaterial = 'stone'\ntexture = 'shades'\nsouth = 'net'\n\
+        [wall.'%']\nmaterial = 'stone'\n\
+        [door.D]\nmaterial = 'stone'\ntexture = 'shades'\nopen = 0.5\n\
+        [[sprite]]\ntexture = 'net'\nposition = [1.7, 1.3]\nwidth = 0.2\nheight = 0.5\n";
+    map::parse(&folder.path().join("hall.map"), text).unwrap()
+}
+
+fn castle() -> MapFile {
+    map::read(&castle_path()).unwrap()
+}
+
 /// A map, traced.
-fn castle() -> Baked {
-    let file = map::read(&castle_path()).unwrap();
-    let host = HostMap::new(&file);
+fn traced(name: &str, file: &MapFile) -> Baked {
+    let host = HostMap::new(file);
     let view = host.view(WIDTH, HEIGHT).unwrap();
     let settings = Settings {
         depth: file.depth,
@@ -246,18 +271,17 @@ fn castle() -> Baked {
         }
         Ok::<_, Infallible>(())
     };
-    let Ok(_) = host.trace(&view, 0..HEIGHT, settings, || (), emit);
+    let Ok(_) = host.trace(&view, 0..HEIGHT, settings, Sampling::Middle, || (), emit);
     Baked {
-        name: "castle".to_owned(),
+        name: name.to_owned(),
         module: bake_map(&host, &view),
         checksum,
     }
 }
 
 /// The same map by columns: the pixels of a display, row by row.
-fn castle_columns() -> u64 {
-    let file = map::read(&castle_path()).unwrap();
-    let host = HostMap::new(&file);
+fn by_columns(file: &MapFile) -> u64 {
+    let host = HostMap::new(file);
     let view = host.view(WIDTH, HEIGHT).unwrap();
     let mut checksum = FNV_OFFSET;
     let emit = |pixels: &[Vec3]| {
@@ -268,7 +292,7 @@ fn castle_columns() -> u64 {
         }
         Ok::<_, Infallible>(())
     };
-    let Ok(()) = host.draw(&view, 0..HEIGHT, emit);
+    let Ok(()) = host.draw(&view, 0..HEIGHT, 1, emit);
     checksum
 }
 
@@ -424,8 +448,9 @@ fn baked_scenes_show_the_bits_of_their_files() {
         panel(),
         nothing(),
         builtin(),
-        castle(),
     ];
+    let maps = [("castle", castle()), ("hall", hall())];
+    scenes.extend(maps.iter().map(|(name, file)| traced(name, file)));
     scenes.extend(standard());
     let source = place().join("src");
     fs::create_dir_all(&source).unwrap();
@@ -450,7 +475,10 @@ fn baked_scenes_show_the_bits_of_their_files() {
     for Baked { name, .. } in &scenes {
         let _ = writeln!(main, "    show!({name});");
     }
-    main.push_str("    columns();\n}\n");
+    for (name, _) in &maps {
+        let _ = writeln!(main, "    columns!({name});");
+    }
+    main.push_str("}\n");
     fs::write(source.join("main.rs"), main).unwrap();
 
     let output = cargo()
@@ -464,7 +492,9 @@ fn baked_scenes_show_the_bits_of_their_files() {
         .iter()
         .map(|it| format!("{} {:016x}\n", it.name, it.checksum))
         .collect();
-    let _ = writeln!(expected, "columns {:016x}", castle_columns());
+    for (name, file) in &maps {
+        let _ = writeln!(expected, "{name} by columns {:016x}", by_columns(file));
+    }
     assert_eq!(String::from_utf8_lossy(&output.stdout), expected);
     assert_formatted(&source, &scenes);
 }
@@ -491,19 +521,21 @@ macro_rules! show {
     }};
 }
 
-fn columns() {
-    use whitted::embedded_graphics::pixelcolor::IntoStorage;
+macro_rules! columns {
+    ($map:ident) => {{
+        use whitted::embedded_graphics::pixelcolor::IntoStorage;
 
-    let picture = castle::COLUMNS.picture(&castle::VIEW);
-    let mut checksum = 0xcbf2_9ce4_8422_2325;
-    for row in 0..castle::VIEW.height {
-        for column in 0..castle::VIEW.width {
-            if let Some(color) = picture.pixels(column).nth(row as usize) {
-                checksum = fnv(checksum, color.into_storage().into());
+        let picture = $map::COLUMNS.picture(&$map::VIEW);
+        let mut checksum = 0xcbf2_9ce4_8422_2325;
+        for row in 0..$map::VIEW.height {
+            for column in 0..$map::VIEW.width {
+                if let Some(color) = picture.pixels(column).nth(row as usize) {
+                    checksum = fnv(checksum, color.into_storage().into());
+                }
             }
         }
-    }
-    println!(\"columns {checksum:016x}\");
+        println!(\"{} by columns {checksum:016x}\", stringify!($map));
+    }};
 }
 
 ";

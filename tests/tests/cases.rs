@@ -8,7 +8,7 @@ use std::path::Path;
 
 use whitted::math::refract;
 use whitted::*;
-use whitted_cli::cast::{self, GivenRay, Query, cast};
+use whitted_cli::cast::{self, Cast, GivenRay, Query};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::toml;
 
@@ -123,12 +123,12 @@ fn check_in_file(case: &str, shape: impl InFile, line: Line, right: Answer) {
         direction: line.direction.map(f64::from),
         t_max: f64::INFINITY,
     };
-    let occluded = cast(&scene, &given, Query::Occluded);
+    let occluded = scene.cast(&given, Query::Occluded);
     let right_occluded = cast::Answer::Occluded {
         occluded: right.is_some(),
     };
     assert_eq!(occluded, right_occluded, "{case}: cast --occluded");
-    match (cast(&scene, &given, Query::Closest), right) {
+    match (scene.cast(&given, Query::Closest), right) {
         (cast::Answer::Miss { .. }, None) => {}
         (
             cast::Answer::Hit {

@@ -3,9 +3,10 @@
 use embedded_graphics::pixelcolor::Rgb888;
 use embedded_graphics::prelude::RgbColor;
 use whitted::columns::{Columns, Texture};
-use whitted::grid::{Face, Grid};
+use whitted::grid::{Across, Door, DoorGrid, Face, Grid, Plan, Way};
 use whitted::{Camera, Geometry, Material, Maze, Ray, Vec3, View};
-use whitted_tests::exact::{Line, grid};
+use whitted_tests::exact::Line;
+use whitted_tests::exact::grid::{self, Panel};
 use whitted_tests::lab::random::{Random, Stream};
 
 fn random(purpose: &str) -> Random {
@@ -102,15 +103,9 @@ fn all_other_rays_do_so_but_for_corners_within_a_rounding() {
             continue;
         }
         let expected = grid::cells(&ray, [u32::from(size); 2]);
-        let borders = |cell: [u32; 2]| {
-            [
-                cell[0] + u32::from(direction.x > 0.0),
-                cell[1] + u32::from(direction.z > 0.0),
-            ]
-        };
         for (pair, other) in found.windows(2).zip(expected.windows(2)) {
             if pair[0] == other[0] && pair[1] != other[1] {
-                let band = grid::band(&ray, borders(pair[0]));
+                let band = grid::band(&ray, grid::borders_ahead(&ray, pair[0]));
                 assert!(band < 1.0, "{origin} {direction}: {band} u");
             }
         }
@@ -134,6 +129,41 @@ fn map(random: &mut Random) -> Vec<u8> {
         }
     }
     cells
+}
+
+fn grid_of(cells: &[u8]) -> Grid<'_> {
+    Grid {
+        width: SIDE as u16,
+        depth: SIDE as u16,
+        cells,
+    }
+}
+
+/// Puts doors between walls, or next to none, here and there, and in some cells round an eye.
+fn add_doors(random: &mut Random, cells: &mut [u8], eye: [usize; 2]) -> Vec<Door> {
+    let mut doors = Vec::new();
+    for _ in 0..90 {
+        let is_near = random.below(3) == 0;
+        let mut place = |eye: usize| match is_near {
+            true => eye - 3 + random.below(6),
+            false => 1 + random.below(SIDE - 2),
+        };
+        let [x, z] = eye.map(&mut place);
+        let across = [Across::X, Across::Z][random.below(2)];
+        let cell = z * SIDE + x;
+        let beside = if across == Across::X { SIDE } else { 1 };
+        if random.below(4) > 0 {
+            cells[cell - beside] = 1;
+            cells[cell + beside] = 1;
+        }
+        cells[cell] = 2 + doors.len() as u8;
+        doors.push(Door {
+            kind: 1,
+            across,
+            open: [0.0, 0.25, 0.5, 0.75, 0.9, 1.0, random.unit() as f32][random.below(7)],
+        });
+    }
+    doors
 }
 
 const FLOOR: Rgb888 = Rgb888::new(1, 0, 0);
@@ -173,25 +203,33 @@ fn views(eye: Vec3) -> Vec<View> {
     views
 }
 
-/// How near a corner, in u, a ray passes before it has met so many borders.
-fn nearest_corner(ray: &Line, steps: usize) -> f64 {
+/// How near a corner, or an edge of a door, a ray passes, in u.
+fn nearest_corner<'a>(ray: &Line, plan: &impl Plan<'a>) -> f64 {
     let cells = grid::cells(ray, [SIDE as u32; 2]);
-    let (dx, dz) = (ray.direction[0], ray.direction[2]);
-    if dx == 0.0 || dz == 0.0 {
-        return f64::INFINITY;
-    }
-    let borders = |cell: &[u32; 2]| [cell[0] + u32::from(dx > 0.0), cell[1] + u32::from(dz > 0.0)];
-    let bands = cells
-        .iter()
-        .take(steps)
-        .map(|cell| grid::band(ray, borders(cell)));
-    bands.fold(f64::INFINITY, f64::min)
+    let is_slanted = ray.direction[0] != 0.0 && ray.direction[2] != 0.0;
+    let corners = (cells.iter())
+        .filter(|_| is_slanted)
+        .map(|&cell| grid::band(ray, grid::borders_ahead(ray, cell)));
+    let panels = (cells.iter()).filter_map(|&cell| Some(panel(plan, cell)?.band(ray)));
+    corners.chain(panels).fold(f64::INFINITY, f64::min)
+}
+
+fn panel<'a>(plan: &impl Plan<'a>, cell: [u32; 2]) -> Option<Panel> {
+    let width = u32::from(plan.grid().width);
+    let door = plan.door((cell[1] * width + cell[0]) as usize)?;
+    Some(Panel {
+        cell,
+        across: usize::from(door.across == Across::Z),
+        open: door.open,
+    })
 }
 
 /// What was compared.
 #[derive(Debug, Default)]
 struct Compared {
     pixels: usize,
+    /// Columns that show a door.
+    doors: usize,
     /// Columns exactly through a corner, or along a border.
     at_corners: usize,
     /// Pixels whose traced rays meet another wall, all within a rounding of a corner.
@@ -201,31 +239,39 @@ struct Compared {
     at_edges: usize,
 }
 
-fn compare(cells: &[u8], view: &View, compared: &mut Compared) {
-    let grid = Grid {
-        width: SIDE as u16,
-        depth: SIDE as u16,
-        cells,
-    };
-    let stone = Material::matte(Vec3::ONE, 0.0, 1.0);
-    let maze = Maze {
+static PLAIN: Texture<Rgb888> = Texture {
+    width: 1,
+    height: 1,
+    texels: &[0],
+    palette: &[WALL],
+};
+
+static WALLS: [[&Texture<Rgb888>; 4]; 1] = [[&PLAIN; 4]];
+
+static STONE: Material = Material::matte(Vec3::ONE, 0.0, 1.0);
+
+/// A map of walls that all look alike.
+fn plain<'a, G>(grid: G) -> Columns<'a, Rgb888, 0, u8, G> {
+    Columns {
         grid,
-        walls: std::slice::from_ref(&stone),
-        floor: &stone,
-        ceiling: Some(&stone),
-    };
-    let plain = Texture {
-        width: 1,
-        height: 1,
-        texels: &[0],
-        palette: &[WALL],
-    };
-    let columns = Columns::<Rgb888, 0> {
-        grid,
-        walls: &[[&plain; 4]],
+        walls: &WALLS,
         sprites: &[],
         floor: FLOOR,
         ceiling: CEILING,
+    }
+}
+
+fn compare<'a, G: Plan<'a>>(
+    columns: &'a Columns<'a, Rgb888, 0, u8, G>,
+    view: &View,
+    compared: &mut Compared,
+) {
+    let plan = columns.grid;
+    let maze = Maze {
+        grid: plan,
+        walls: std::slice::from_ref(&STONE),
+        floor: &STONE,
+        ceiling: Some(&STONE),
     };
     let picture = columns.picture(view);
     let eye = view.camera.eye;
@@ -244,8 +290,8 @@ fn compare(cells: &[u8], view: &View, compared: &mut Compared) {
         );
         assert_eq!(hit.t, met.t);
 
-        let steps = grid::cells(&line(eye, level), [SIDE as u32; 2]).len();
-        let corner = nearest_corner(&line(eye, level), steps);
+        compared.doors += usize::from(plan.door(met.cell).is_some());
+        let corner = nearest_corner(&line(eye, level), &plan);
         let along_x = level.z == 0.0 && eye.z.fract() == 0.0;
         let along_z = level.x == 0.0 && eye.x.fract() == 0.0;
         compared.at_corners += usize::from(corner == 0.0 || along_x || along_z);
@@ -300,7 +346,7 @@ fn columns_show_the_walls_that_traced_rays_meet() {
             Vec3::new(x, 0.75, z),
         ];
         for view in views(eyes[round % 4]) {
-            compare(&cells, &view, &mut compared);
+            compare(&plain(grid_of(&cells)), &view, &mut compared);
         }
         let eye = Vec3::new(x + random.unit() as f32, 0.4, z + random.unit() as f32);
         let to = random.direction();
@@ -311,11 +357,124 @@ fn columns_show_the_walls_that_traced_rays_meet() {
             width: 40,
             height: 30,
         };
-        compare(&cells, &view, &mut compared);
+        compare(&plain(grid_of(&cells)), &view, &mut compared);
     }
     assert!(compared.at_corners > 1000, "{compared:?}");
     assert!(
         compared.at_other_walls * 100 < compared.pixels,
         "{compared:?}"
     );
+}
+
+#[test]
+fn columns_show_the_doors_that_traced_rays_meet() {
+    let mut random = random("doors");
+    let mut compared = Compared::default();
+    for round in 0..60 {
+        let mut cells = map(&mut random);
+        let (x, z) = (4 + random.below(SIDE - 8), 4 + random.below(SIDE - 8));
+        let doors = add_doors(&mut random, &mut cells, [x, z]);
+        for place in [x, x - 1].into_iter().flat_map(|x| [[x, z], [x, z - 1]]) {
+            let cell = &mut cells[place[1] * SIDE + place[0]];
+            // The eye may be in the cell of a door.
+            *cell = if *cell == 1 { 0 } else { *cell };
+        }
+        let plan = DoorGrid {
+            grid: grid_of(&cells),
+            first: 2,
+            doors: &doors,
+        };
+        let (x, z) = (x as f32, z as f32);
+        let eyes = [
+            Vec3::new(x + 0.5, 0.5, z + 0.5),
+            Vec3::new(x, 0.5, z + 0.5),
+            Vec3::new(x + 0.25, 0.25, z),
+            Vec3::new(x, 0.75, z),
+        ];
+        for view in views(eyes[round % 4]) {
+            compare(&plain(plan), &view, &mut compared);
+        }
+        let eye = Vec3::new(x + random.unit() as f32, 0.4, z + random.unit() as f32);
+        let to = random.direction();
+        let to = Vec3::new(to.0[0] as f32, 0.0, to.0[2] as f32);
+        let camera = Camera::look_at(eye, eye + to, Vec3::Y, 0.75, 4.0 / 3.0).unwrap();
+        let view = View {
+            camera,
+            width: 40,
+            height: 30,
+        };
+        compare(&plain(plan), &view, &mut compared);
+    }
+    assert!(compared.doors > 2000, "{compared:?}");
+    assert!(
+        compared.at_other_walls * 100 < compared.pixels,
+        "{compared:?}"
+    );
+}
+
+#[test]
+fn rays_meet_exactly_the_doors_of_the_oracle() {
+    let mut random = random("panels");
+    let (mut met_doors, mut close) = (0, 0);
+    for round in 0..40_000 {
+        let mut cells = map(&mut random);
+        let (x, z) = (4 + random.below(SIDE - 8), 4 + random.below(SIDE - 8));
+        let doors = add_doors(&mut random, &mut cells, [x, z]);
+        let plan = DoorGrid {
+            grid: grid_of(&cells),
+            first: 2,
+            doors: &doors,
+        };
+        // With few digits, through edges and corners exactly; or with all, towards an edge of a door.
+        let is_short = round % 2 == 0;
+        let origin = match is_short {
+            true => [x, z].map(|it| it as f32 + random.below(8) as f32 / 8.0),
+            false => [x, z].map(|it| it as f32 + random.unit() as f32),
+        };
+        let mut slope = || [0.0, 0.25, 0.5, -0.5, 1.0, -1.0, 2.0, -3.0][random.below(8)];
+        let mut direction = [slope(), slope()];
+        if !is_short {
+            let panels = (0..cells.len()).filter(|&it| cells[it] >= 2);
+            let steps = |it: &usize| (it % SIDE).abs_diff(x) + (it / SIDE).abs_diff(z);
+            let cell = panels.min_by_key(steps).unwrap();
+            let door = doors[usize::from(cells[cell]) - 2];
+            let mut edge = [(cell % SIDE) as f32, (cell / SIDE) as f32];
+            let across = usize::from(door.across == Across::Z);
+            edge[across] += 0.5;
+            edge[1 - across] += door.open;
+            direction = [0, 1].map(|i| edge[i] - origin[i]);
+        }
+        let origin = Vec3::new(origin[0], 0.0, origin[1]);
+        let direction = Vec3::new(direction[0], 0.0, direction[1]);
+        let ray = line(origin, direction);
+        let at = |cell: [u32; 2]| cells[cell[1] as usize * SIDE + cell[0] as usize];
+        if at(grid::cell(ray.origin)) == 1 {
+            continue;
+        }
+        let expected = grid::first(
+            &ray,
+            [SIDE as u32; 2],
+            |cell| at(cell) == 1,
+            |cell| panel(&plan, cell),
+        );
+        let mut walk = plan.start(origin, direction, f32::INFINITY).unwrap();
+        let met = walk.next_wall();
+        met_doors += usize::from(met.is_some_and(|it| plan.door(it.cell).is_some()));
+        let found = met.map(|met| {
+            let cell = [met.cell % SIDE, met.cell / SIDE].map(|it| it as u32);
+            (
+                cell,
+                usize::from(!matches!(met.face, Face::West | Face::East)),
+            )
+        });
+        if found != expected {
+            let corner = nearest_corner(&ray, &plan);
+            assert!(
+                !is_short && corner < 1.5,
+                "{origin} {direction}: {found:?}, {corner} u"
+            );
+            close += 1;
+        }
+    }
+    assert!(met_doors > 5_000 && close < 500, "{met_doors} {close}");
 }

@@ -6,22 +6,19 @@ use anyhow::Context;
 
 use super::Outcome;
 use crate::args;
-use crate::cast::{Query, cast_lines};
+use crate::cast::{Cast, Lines, Query, cast_lines};
+use crate::map::HostMap;
 use crate::scene::{HostScene, Pool};
-use crate::scene_file;
+use crate::scene_file::{self, map};
 
 pub(super) fn run(args: &args::Cast) -> anyhow::Result<Outcome> {
-    let file = scene_file::read(&args.scene)?;
-    let pool = Pool::new(&file);
-    let scene = HostScene::new(&file, &pool)?;
-    let query = if args.occluded {
-        Query::Occluded
+    let lines = if map::is_map(&args.scene) {
+        answer(args, &HostMap::new(&map::read(&args.scene)?))?
     } else {
-        Query::Closest
+        let file = scene_file::read(&args.scene)?;
+        let pool = Pool::new(&file);
+        answer(args, &HostScene::new(&file, &pool)?)?
     };
-    let mut output = BufWriter::new(io::stdout().lock());
-    let lines = cast_lines(&scene, query, io::stdin().lock(), &mut output)
-        .context("cannot answer all rays")?;
     if lines.bad == 0 {
         return Ok(Outcome::Success);
     }
@@ -32,4 +29,14 @@ pub(super) fn run(args: &args::Cast) -> anyhow::Result<Outcome> {
         lines.all
     );
     Ok(Outcome::BadInput)
+}
+
+fn answer(args: &args::Cast, scene: &impl Cast) -> anyhow::Result<Lines> {
+    let query = if args.occluded {
+        Query::Occluded
+    } else {
+        Query::Closest
+    };
+    let mut output = BufWriter::new(io::stdout().lock());
+    cast_lines(scene, query, io::stdin().lock(), &mut output).context("cannot answer all rays")
 }

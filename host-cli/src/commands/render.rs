@@ -97,22 +97,27 @@ impl Job<'_> {
         let [width, height] = self.size(file.size);
         let rows = self.rows(height)?;
         let view = host.view(width, height)?;
-        if self.args.samples.is_some() || self.args.adaptive.is_some() {
-            bail!("--samples and --adaptive are for scenes, not for maps");
-        }
+        let sampling = self.sampling()?;
         if self.args.trace {
             let settings = self.settings(file.depth);
             return self.write(&view, rows.clone(), |progress, emit| {
                 let row_done = || progress.inc(1);
-                let counters = host.trace(&view, rows, settings, row_done, emit)?;
+                let counters = host.trace(&view, rows, settings, sampling, row_done, emit)?;
                 Ok(Some(counters))
             });
         }
         if self.args.depth.is_some() || self.args.threshold > 0.0 {
             bail!("--depth and --threshold are for traced pictures; for a map, add --trace");
         }
+        let samples = match sampling {
+            Sampling::Middle => 1,
+            Sampling::Regular(samples) => samples,
+            Sampling::Adaptive { .. } => {
+                bail!("--adaptive saves rays, and columns take one each; for a map, add --trace")
+            }
+        };
         self.write(&view, rows.clone(), |_, emit| {
-            host.draw(&view, rows, emit)?;
+            host.draw(&view, rows, samples, emit)?;
             Ok(None)
         })
     }

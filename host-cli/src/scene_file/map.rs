@@ -3,12 +3,14 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use ::toml::Spanned;
 use serde::Deserialize;
+use whitted::grid::{Across, Door};
 
 use super::limits::{self, Range};
-use super::texture::{Bitmap, TextureFields, in_order};
+use super::texture::{Bitmap, COLORS, Texture, TextureFields, in_order};
 use super::toml::{Checker, LightFields, MaterialFields, Places, Point, Real, too_many};
 use super::{DEFAULT_DEPTH, Light, Located, Material, Place, Problem, SceneError, bytes};
 use crate::scene_file::error::excerpt;
@@ -31,16 +33,21 @@ pub struct MapFile {
     pub lights: Vec<Light>,
     /// Cells along x and along z.
     pub cells: [u16; 2],
-    /// Row after row: 0 where a cell is empty, else 1 and the place of its wall.
+    /// Row after row: 0 where a cell is empty, else 1 and the place of its wall; from `first_door` on
+    /// the places of doors.
     pub plan: Vec<u8>,
-    /// In file order.
+    /// What is in the cell of the first door.
+    pub first_door: u8,
+    /// Row after row.
+    pub doors: Vec<Door>,
+    /// In file order, and then those of doors.
     pub walls: Vec<Wall>,
     /// What the floor is made of.
     pub floor: Material,
     /// What the ceiling is made of; `None` where the map is open above.
     pub ceiling: Option<Material>,
     /// Of walls and sprites.
-    pub textures: Vec<Bitmap>,
+    pub textures: Vec<Arc<Texture>>,
     /// In file order.
     pub sprites: Vec<Sprite>,
     /// Who looks.
@@ -54,6 +61,8 @@ pub struct Wall {
     pub material: Material,
     /// What it shows to the west, east, north and south, as places among the textures.
     pub faces: [usize; 4],
+    /// Which of these the file names; the others are of the material's color.
+    pub is_textured: [bool; 4],
 }
 
 /// A bitmap that stands in the map.
@@ -82,9 +91,19 @@ pub struct Player {
     pub fov: f64,
 }
 
+impl MapFile {
+    /// What a sprite shows; `None` of what has too many colors for one.
+    pub fn bitmap(&self, texture: usize) -> Option<&Bitmap> {
+        match &**self.textures.get(texture)? {
+            Texture::Palette(bitmap) => Some(bitmap),
+            Texture::High(_) => None,
+        }
+    }
+}
+
 /// Most cells along one side of a plan.
 const PLAN_SIDE: usize = 4096;
-/// Most kinds of walls: what a byte tells.
+/// Most kinds of walls and doors, and of kinds of walls and doors together: what a byte tells.
 const WALLS: usize = 255;
 /// Most sprites.
 pub const SPRITES: usize = 256;
@@ -108,6 +127,8 @@ struct Document {
     #[serde(default)]
     wall: HashMap<Spanned<String>, WallFields>,
     #[serde(default)]
+    door: HashMap<Spanned<String>, WallFields>,
+    #[serde(default)]
     sprite: Vec<Spanned<SpriteFields>>,
 }
 
@@ -130,6 +151,17 @@ struct WallFields {
     north: Option<Spanned<String>>,
     south: Option<Spanned<String>>,
     shade: Option<Real>,
+    /// Of doors.
+    open: Option<Real>,
+}
+
+/// What a character of the plan is.
+#[derive(Clone, Copy)]
+enum Sign {
+    Empty,
+    Wall(u8),
+    /// As the walls of this kind look, and by what share open.
+    Door(u8, f32),
 }
 
 #[derive(Deserialize)]
@@ -195,6 +227,14 @@ pub fn parse(path: &Path, text: &str) -> Result<MapFile, SceneError> {
 
 type Names = HashMap<String, usize>;
 
+/// As in [`MapFile`].
+struct Plan {
+    cells: [u16; 2],
+    plan: Vec<u8>,
+    first_door: u8,
+    doors: Vec<Door>,
+}
+
 struct Reader<'a> {
     check: Checker<'a>,
     text: &'a str,
@@ -226,7 +266,8 @@ impl Reader<'_> {
                 return Err((check.start(name), too_many("textures", limits::TEXTURES)));
             }
             texture_names.insert(name.get_ref().clone(), textures.len());
-            textures.push(fields.palette(check, self.folder, name, &mut allowed)?);
+            let texture = fields.read(check, self.folder, name, &mut allowed)?;
+            textures.push(Arc::new(texture));
         }
         let texture = |name: &Spanned<String>| {
             let place = texture_names.get(name.get_ref()).copied();
@@ -236,26 +277,54 @@ impl Reader<'_> {
             })
         };
         let mut walls = Vec::new();
-        let mut signs = HashMap::new();
-        for (name, fields) in in_order(&document.wall) {
+        let mut signs = HashMap::from([('.', Sign::Empty), (' ', Sign::Empty)]);
+        let kinds = [&document.wall, &document.door];
+        for (is_door, (name, fields)) in (kinds.iter().zip([false, true]))
+            .flat_map(|(kinds, is_door)| in_order(kinds).into_iter().map(move |it| (is_door, it)))
+        {
+            let contradiction = |problem| Err((check.start(name), Problem::Contradiction(problem)));
             if walls.len() == WALLS {
                 return Err((check.start(name), too_many("kinds of walls", WALLS)));
             }
             let mut sign = name.get_ref().chars();
             let (Some(sign), None) = (sign.next(), sign.next()) else {
-                let problem = "the name of a wall is one character, as in the plan";
-                return Err((check.start(name), Problem::Contradiction(problem)));
+                return contradiction("the name of a wall is one character, as in the plan");
             };
-            signs.insert(sign, walls.len() as u8 + 1);
-            walls.push(self.wall(fields, &material, &texture, &mut textures)?);
+            let wall = self.wall(fields, &material, &texture, &mut textures)?;
+            let glass = &wall.material;
+            let bends = glass.transmittance > 0.0 && glass.ior != 1.0;
+            if is_door && (bends || glass.absorption != [0.0; 3]) {
+                return contradiction("a door is too thin for glass that bends or absorbs light");
+            }
+            walls.push(wall);
+            let kind = walls.len() as u8;
+            let meaning = match (&fields.open, is_door) {
+                (Some(open), false) => {
+                    let problem = Problem::Contradiction("`open` is for doors, not for walls");
+                    return Err((check.start(open), problem));
+                }
+                (None, false) => Sign::Wall(kind),
+                (open, true) => {
+                    let open = check.real_or("the opening of the door", open, Range::Share, 0.0)?;
+                    Sign::Door(kind, open as f32)
+                }
+            };
+            if let Some(Sign::Wall(_) | Sign::Door(..)) = signs.insert(sign, meaning) {
+                return contradiction("a wall and a door have the same name");
+            }
         }
-        let (cells, plan) = self.plan(&signs)?;
+        let Plan {
+            cells,
+            plan,
+            first_door,
+            doors,
+        } = self.plan(&signs)?;
         let mut sprites = Vec::new();
         for sprite in &document.sprite {
             if sprites.len() == SPRITES {
                 return Err((check.start(sprite), too_many("sprites", SPRITES)));
             }
-            sprites.push(self.sprite(sprite.get_ref(), &texture)?);
+            sprites.push(self.sprite(sprite.get_ref(), &texture, &textures)?);
         }
         let mut lights = Vec::new();
         for light in &document.light {
@@ -273,9 +342,11 @@ impl Reader<'_> {
             background: check.color("a component of the background", &document.background, 0.0)?,
             ambient: check.color("a component of the ambient light", &document.ambient, 0.0)?,
             lights,
-            player: self.player(cells, &plan)?,
+            player: self.player(cells, |cell| (1..first_door).contains(&plan[cell]))?,
             cells,
             plan,
+            first_door,
+            doors,
             walls,
             floor: material(&document.floor)?,
             ceiling: document.ceiling.as_ref().map(material).transpose()?,
@@ -284,8 +355,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Cells along x and z, and all of them.
-    fn plan(&self, signs: &HashMap<char, u8>) -> Result<([u16; 2], Vec<u8>), Located> {
+    fn plan(&self, signs: &HashMap<char, Sign>) -> Result<Plan, Located> {
         let (check, plan) = (&self.check, &self.document.plan);
         let start = check.start(plan);
         // Where the text starts after a line break, and says nothing in other words, its lines are
@@ -311,11 +381,8 @@ impl Reader<'_> {
         let mut cells = Vec::with_capacity(width * rows.len());
         for (number, row) in rows.iter().enumerate() {
             for (column, sign) in row.chars().enumerate() {
-                cells.push(match signs.get(&sign) {
-                    Some(&kind) => kind,
-                    None if sign == '.' || sign == ' ' => 0,
-                    None => return Err((place(number, column), Problem::UnknownCell(sign))),
-                });
+                let unknown = (place(number, column), Problem::UnknownCell(sign));
+                cells.push(*signs.get(&sign).ok_or(unknown)?);
             }
             let found = row.chars().count();
             if found != width {
@@ -323,7 +390,48 @@ impl Reader<'_> {
                 return Err((place(number, found.min(width)), problem));
             }
         }
-        Ok(([width as u16, rows.len() as u16], cells))
+        let is_wall = |column: usize, row: usize| {
+            let is_inside = column < width && row < rows.len();
+            is_inside && matches!(cells[row * width + column], Sign::Wall(_))
+        };
+        let kinds = signs.values().filter(|it| matches!(it, Sign::Wall(_)));
+        let kinds = kinds.count() as u8;
+        let mut doors = Vec::new();
+        let mut plan = Vec::with_capacity(cells.len());
+        for (cell, sign) in cells.iter().enumerate() {
+            plan.push(match *sign {
+                Sign::Empty => 0,
+                Sign::Wall(kind) => kind,
+                Sign::Door(kind, open) => {
+                    let (column, row) = (cell % width, cell / width);
+                    let [before, after] = [usize::wrapping_sub, usize::wrapping_add];
+                    let between = |step: fn(usize, usize) -> usize| {
+                        [is_wall(column, step(row, 1)), is_wall(step(column, 1), row)]
+                    };
+                    let across = match [between(before), between(after)] {
+                        [[true, _], [true, _]] => Across::X,
+                        [[_, true], [_, true]] => Across::Z,
+                        _ => {
+                            let problem = "a door is between two walls, to its north and south, or \
+                                           to its west and east";
+                            return Err((place(row, column), Problem::Contradiction(problem)));
+                        }
+                    };
+                    if usize::from(kinds) + doors.len() == WALLS {
+                        let problem = too_many("kinds of walls and doors", WALLS);
+                        return Err((place(row, column), problem));
+                    }
+                    doors.push(Door { kind, across, open });
+                    kinds + doors.len() as u8
+                }
+            });
+        }
+        Ok(Plan {
+            cells: [width as u16, rows.len() as u16],
+            plan,
+            first_door: kinds.saturating_add(1),
+            doors,
+        })
     }
 
     fn wall(
@@ -331,7 +439,7 @@ impl Reader<'_> {
         fields: &WallFields,
         material: &impl Fn(&Spanned<String>) -> Result<Material, Located>,
         texture: &impl Fn(&Spanned<String>) -> Result<usize, Located>,
-        textures: &mut Vec<Bitmap>,
+        textures: &mut Vec<Arc<Texture>>,
     ) -> Result<Wall, Located> {
         let mut material = material(&fields.material)?;
         let shade = self
@@ -340,31 +448,43 @@ impl Reader<'_> {
         let base = match &fields.texture {
             Some(name) => texture(name)?,
             None => {
-                textures.push(Bitmap::plain(material.color));
+                textures.push(Arc::new(Texture::plain(material.color)));
                 textures.len() - 1
             }
         };
         if fields.texture.is_some() {
             material.color = textures[base].mean();
         }
-        textures.push(textures[base].shaded(shade));
+        textures.push(Arc::new(textures[base].shaded(shade)));
         let shaded = textures.len() - 1;
         let sides = [&fields.west, &fields.east, &fields.north, &fields.south];
         let mut faces = [base, base, shaded, shaded];
-        for (face, side) in faces.iter_mut().zip(sides) {
+        let mut is_textured = [fields.texture.is_some(); 4];
+        for (i, side) in sides.iter().enumerate() {
             if let Some(name) = side {
-                *face = texture(name)?;
+                faces[i] = texture(name)?;
+                is_textured[i] = true;
             }
         }
-        Ok(Wall { material, faces })
+        Ok(Wall {
+            material,
+            faces,
+            is_textured,
+        })
     }
 
     fn sprite(
         &self,
         fields: &SpriteFields,
         texture: &impl Fn(&Spanned<String>) -> Result<usize, Located>,
+        textures: &[Arc<Texture>],
     ) -> Result<Sprite, Located> {
         let check = &self.check;
+        let shown = texture(&fields.texture)?;
+        if let Texture::High(_) = *textures[shown] {
+            let problem = too_many("colours in the texture of a sprite", COLORS);
+            return Err((check.start(&fields.texture), problem));
+        }
         let length = |what: &str, number: &Real| {
             let length = check.length(what, number)?;
             // As it is drawn.
@@ -381,7 +501,7 @@ impl Reader<'_> {
             position: [x, above, z],
             width: length("the width", &fields.width)?,
             height: length("the height", &fields.height)?,
-            texture: texture(&fields.texture)?,
+            texture: shown,
         })
     }
 
@@ -390,7 +510,7 @@ impl Reader<'_> {
         Ok([self.check.length(what, a)?, self.check.length(what, b)?])
     }
 
-    fn player(&self, cells: [u16; 2], plan: &[u8]) -> Result<Player, Located> {
+    fn player(&self, cells: [u16; 2], is_wall: impl Fn(usize) -> bool) -> Result<Player, Located> {
         let (check, fields) = (&self.check, self.document.player.get_ref());
         let contradiction = |place, problem| Err((place, Problem::Contradiction(problem)));
         let [x, z] = self.pair("a coordinate of the player", &fields.position)?;
@@ -403,7 +523,7 @@ impl Reader<'_> {
             let place = check.start(&fields.position);
             return contradiction(place, "the player is not on the plan");
         };
-        if plan[row * usize::from(cells[0]) + column] != 0 {
+        if is_wall(row * usize::from(cells[0]) + column) {
             let place = check.start(&fields.position);
             return contradiction(place, "the player stands in a wall");
         }
@@ -424,8 +544,10 @@ impl Reader<'_> {
 
 #[cfg(test)]
 mod tests {
+    use embedded_graphics::pixelcolor::{Rgb565, RgbColor};
+
     use super::*;
-    use crate::scene_file::texture::{CLEAR, TEXTURE_SIDE};
+    use crate::scene_file::texture::{CLEAR, HighBitmap, TEXTURE_SIDE};
 
     const ROOM: &str = "plan = '''\n\
         ####\n\
@@ -457,11 +579,12 @@ mod tests {
         assert_eq!((map.cells, map.depth, map.size), ([4, 3], 5, None));
         assert_eq!(map.plan, [1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1]);
         let wall = &map.walls[0];
-        let [west, east, north, south] = wall.faces.map(|it| &map.textures[it]);
+        let [west, east, north, south] = wall.faces.map(|it| map.bitmap(it).unwrap());
         assert_eq!((west, north), (east, south));
         assert_eq!(west.texels, [0, 0, 1, CLEAR], "column after column");
         assert_eq!(west.palette, [[255, 0, 0], [0, 0, 255]]);
         assert_eq!(north.palette, [[128, 0, 0], [0, 0, 128]]);
+        assert_eq!(wall.is_textured, [true; 4]);
         // Of the pixels that are not transparent.
         assert_eq!(wall.material.color, [2.0 / 3.0, 0.0, 1.0 / 3.0]);
         assert_eq!(map.sprites[0].position, [2.0, 0.0, 1.5]);
@@ -469,12 +592,120 @@ mod tests {
         assert_eq!(map.ceiling, None);
 
         let plain = read(ROOM).unwrap();
-        let [_, _, north, _] = plain.walls[0].faces.map(|it| &plain.textures[it]);
+        let [_, _, north, _] = plain.walls[0].faces.map(|it| plain.bitmap(it).unwrap());
         assert_eq!(
             north.palette,
             [[96, 48, 191]],
             "three quarters, if nothing is said"
         );
+    }
+
+    const HOUSE: &str = "plan = '''\n\
+        ##D##\n\
+        #.#.#\n\
+        #.D.#\n\
+        ##W##\n\
+        '''\n\
+        floor = 'stone'\n\
+        player = { position = [2.5, 2.25], direction = [1, 0], fov = 60 }\n\
+        [material.stone]\n\
+        [wall.'#']\n\
+        material = 'stone'\n\
+        [wall.'W']\n\
+        material = 'stone'\n\
+        [door.D]\n\
+        material = 'stone'\n\
+        open = 0.25\n";
+
+    #[test]
+    fn each_door_of_the_plan_opens_by_itself() {
+        let map = read(HOUSE).unwrap();
+        let door = |across| Door {
+            kind: 3,
+            across,
+            open: 0.25,
+        };
+        // The player may stand in one.
+        assert_eq!(map.doors, [door(Across::Z), door(Across::X)]);
+        assert_eq!((map.first_door, map.walls.len()), (3, 3));
+        assert_eq!(map.plan[..10], [1, 1, 3, 1, 1, 1, 0, 1, 0, 1]);
+        assert_eq!(map.plan[10..], [1, 0, 4, 0, 1, 1, 1, 2, 1, 1]);
+    }
+
+    #[test]
+    fn errors_of_doors_name_the_place_and_the_reason() {
+        let with = |from: &str, to: &str| {
+            assert!(HOUSE.contains(from), "{from}");
+            HOUSE.replacen(from, to, 1)
+        };
+        let between =
+            "a door is between two walls, to its north and south, or to its west and east";
+        let glass = |fields: &str| {
+            let pane = format!("[material.pane]\ntransmittance = 0.5\n{fields}\n[wall.'#']");
+            with("[wall.'#']", &pane).replace(
+                "[door.D]\nmaterial = 'stone'",
+                "[door.D]\nmaterial = 'pane'",
+            )
+        };
+        let thin = "17:7: a door is too thin for glass that bends or absorbs light";
+        let long = |doors: usize| {
+            let rows = ["#".repeat(doors), "D".repeat(doors), "#".repeat(doors)].join("\n");
+            with("##D##\n#.#.#\n#.D.#\n##W##", &rows).replace("[2.5, 2.25]", "[2.5, 1.5]")
+        };
+        let cases = [
+            (with("##D##", "#.D##"), format!("2:3: {between}")),
+            (
+                with("#.#.#\n#.D.#", "#...#\n#.D.#"),
+                format!("4:3: {between}"),
+            ),
+            (
+                with("#.D.#\n##W##", "#.D.#\n##D##"),
+                format!("4:3: {between}"),
+            ),
+            (with("##D##", "D####"), format!("2:1: {between}")),
+            (
+                with("open = 0.25", "open = 1.5"),
+                "16:8: the opening of the door is 1.5: not between 0 and 1".to_owned(),
+            ),
+            (
+                with("open = 0.25", "open = -0.5"),
+                "16:8: the opening of the door is -0.5: not between 0 and 1".to_owned(),
+            ),
+            (
+                with("open = 0.25", "open = nan"),
+                "16:8: the opening of the door is NaN: not between 0 and 1".to_owned(),
+            ),
+            (
+                with(
+                    "[wall.'W']\nmaterial = 'stone'",
+                    "[wall.'W']\nmaterial = 'stone'\nopen = 0",
+                ),
+                "14:8: `open` is for doors, not for walls".to_owned(),
+            ),
+            (
+                with("[door.D]", "[door.W]"),
+                "14:7: a wall and a door have the same name".to_owned(),
+            ),
+            (
+                with("[door.D]", "[door.DD]"),
+                "14:7: the name of a wall is one character, as in the plan".to_owned(),
+            ),
+            (glass(""), thin.to_owned()),
+            (
+                glass("ior = 1\nabsorption = [1, 0, 0]"),
+                thin.replace("17:", "18:"),
+            ),
+            (
+                long(254),
+                "3:254: more than 255 kinds of walls and doors".to_owned(),
+            ),
+        ];
+        for (text, message) in cases {
+            let error = read(&text).err().unwrap_or_default();
+            assert_eq!(error, format!("t.map:{message}"), "{text:.300}");
+        }
+        assert!(read(&glass("ior = 1")).is_ok());
+        assert_eq!(read(&long(253)).unwrap().doors.len(), 253);
     }
 
     #[test]
@@ -491,7 +722,7 @@ mod tests {
         let cases = [
             (
                 with("plan", "plans"),
-                "1:1: unknown field `plans`, expected one of `plan`, `size`, `depth`, `background`, `ambient`, `floor`, `ceiling`, `player`, `light`, `material`, `texture`, `wall`, `sprite`",
+                "1:1: unknown field `plans`, expected one of `plan`, `size`, `depth`, `background`, `ambient`, `floor`, `ceiling`, `player`, `light`, `material`, `texture`, `wall`, `door`, `sprite`",
             ),
             (with("floor = 'stone'", ""), "1:1: missing field `floor`"),
             (
@@ -617,7 +848,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_become_palettes() {
+    fn pictures_become_palettes_or_colors() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, pixels: usize| {
             let colors = (0..pixels).map(|it| format!("{} {} 9\n", it % 256, it / 256));
@@ -627,21 +858,41 @@ mod tests {
         write("few.ppm", 255);
         write("many.ppm", 256);
         std::fs::write(folder.path().join("none.ppm"), "P3\n0 1\n255\n").unwrap();
-        let read = |name: &str| {
+        let sprite = "[[sprite]]\ntexture = 'flag'\nposition = [2, 1.5]\nwidth = 1\nheight = 1\n";
+        let read_with = |name: &str, more: &str| {
             let rows = "rows = ['ab', 'a.']\ncolors = { a = [1, 0, 0], b = [0, 0, 1] }";
-            let text = ROOM.replace(rows, &format!("file = '{name}'"));
+            let text = ROOM.replace(rows, &format!("file = '{name}'")) + more;
             parse(&folder.path().join("t.map"), &text)
         };
+        let read = |name: &str| read_with(name, "");
+        let shown = read_with("many.ppm", sprite).unwrap_err().to_string();
+        let message = "t.map:15:11: more than 255 colours in the texture of a sprite";
+        assert!(shown.ends_with(message), "{shown}");
+        assert!(read_with("few.ppm", sprite).is_ok());
         let few = read("few.ppm").unwrap();
         assert_eq!(
-            (few.textures[0].width, few.textures[0].palette[7]),
+            (
+                few.bitmap(0).unwrap().width,
+                few.bitmap(0).unwrap().palette[7]
+            ),
             (255, [7, 0, 9])
         );
-        let many = read("many.ppm").unwrap_err().to_string();
-        assert!(
-            many.ends_with("t.map:11:8: more than 255 colours in a texture"),
-            "{many}"
-        );
+        // Walls may have more colors, as 16 bits a pixel, darker ones too.
+        let many = read("many.ppm").unwrap();
+        assert_eq!(many.bitmap(0), None);
+        let Texture::High(high) = &*many.textures[0] else {
+            panic!("{:?}", many.textures[0]);
+        };
+        assert_eq!((high.width, high.pixels[255].r()), (256, 31));
+        let half = Rgb565::new(31, 40, 5);
+        let darker = Texture::High(HighBitmap {
+            width: 1,
+            height: 1,
+            pixels: vec![half],
+        })
+        .shaded(0.5);
+        assert_eq!(darker.pixels(), [Some(Rgb565::new(16, 20, 3).into())]);
+        assert!((many.textures[0].mean()[0] - 0.5).abs() < 0.01);
         let none = read("none.ppm").unwrap_err().to_string();
         assert!(
             none.contains("11:8: texture none.ppm: 0x1 pixels"),

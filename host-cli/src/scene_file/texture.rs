@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use ::toml::Spanned;
-use embedded_graphics::pixelcolor::{Rgb565, Rgb888};
+use embedded_graphics::pixelcolor::{Rgb565, Rgb888, RgbColor};
 use serde::Deserialize;
 
 use super::limits::{self, Range};
@@ -77,8 +77,8 @@ struct Pixels<'a> {
 }
 
 impl TextureFields {
-    /// What is to be laid over surfaces. Black where it is transparent. Takes its pixels from those that the
-    /// file may have.
+    /// What is to be laid over surfaces, black where it is transparent, or what a sprite shows. Takes its
+    /// pixels from those that the file may have.
     pub(super) fn read(
         &self,
         check: &Checker<'_>,
@@ -95,18 +95,6 @@ impl TextureFields {
                 .map(Texture::Palette)
                 .map_err(|problem| (place, problem)),
         }
-    }
-
-    /// What a map's wall or sprite shows; `allowed` as for [`read`](Self::read).
-    pub(super) fn palette(
-        &self,
-        check: &Checker<'_>,
-        folder: &Path,
-        name: &Spanned<String>,
-        allowed: &mut usize,
-    ) -> Result<Bitmap, Located> {
-        let (place, pixels) = self.pixels(check, folder, name, allowed)?;
-        Bitmap::new(&pixels).map_err(|problem| (place, problem))
     }
 
     fn pixels(
@@ -242,32 +230,72 @@ impl Bitmap {
         }
         Ok(bitmap)
     }
+}
 
+impl Texture {
     /// One pixel.
     pub(super) fn plain(color: [f64; 3]) -> Self {
-        Self {
+        Self::Palette(Bitmap {
             width: 1,
             height: 1,
             texels: vec![0],
             palette: vec![to_bytes(color)],
-        }
+        })
     }
 
     /// The same, darker.
     pub(super) fn shaded(&self, shade: f64) -> Self {
         let darken = |byte: u8| (f64::from(byte) * shade).round() as u8;
-        Self {
-            palette: self.palette.iter().map(|it| it.map(darken)).collect(),
-            ..self.clone()
+        match self {
+            Self::Palette(bitmap) => Self::Palette(Bitmap {
+                palette: bitmap.palette.iter().map(|it| it.map(darken)).collect(),
+                ..bitmap.clone()
+            }),
+            Self::High(bitmap) => {
+                let [red, green, blue] = [Rgb565::r, Rgb565::g, Rgb565::b]
+                    .map(|channel| move |it: &Rgb565| darken(channel(it)));
+                let darker = |it: &Rgb565| Rgb565::new(red(it), green(it), blue(it));
+                Self::High(HighBitmap {
+                    pixels: bitmap.pixels.iter().map(darker).collect(),
+                    ..bitmap.clone()
+                })
+            }
+        }
+    }
+
+    /// Pixels to a side.
+    pub fn size(&self) -> [u16; 2] {
+        match self {
+            Self::Palette(it) => [it.width, it.height],
+            Self::High(it) => [it.width, it.height],
+        }
+    }
+
+    /// Column after column, each from the top; `None` where it is transparent.
+    pub fn pixels(&self) -> Vec<Option<Rgb888>> {
+        match self {
+            Self::Palette(it) => {
+                let color = |&[red, green, blue]: &[u8; 3]| Rgb888::new(red, green, blue);
+                let at = |&texel: &u8| it.palette.get(usize::from(texel)).map(color);
+                it.texels.iter().map(at).collect()
+            }
+            Self::High(it) => {
+                let (width, height) = (usize::from(it.width), usize::from(it.height));
+                let places = (0..width).flat_map(|x| (0..height).map(move |y| y * width + x));
+                places.map(|place| Some(it.pixels[place].into())).collect()
+            }
         }
     }
 
     /// Of all pixels that are not transparent, linear.
     pub(super) fn mean(&self) -> [f64; 3] {
-        let seen = self.texels.iter();
-        let colors = || seen.clone().filter_map(|&it| self.palette.get(it as usize));
+        let pixels = self.pixels();
+        let colors = || pixels.iter().flatten();
         let count = colors().count().max(1) as f64;
-        [0, 1, 2].map(|i| colors().map(|it| f64::from(it[i])).sum::<f64>() / count / 255.0)
+        let share = |channel: fn(&Rgb888) -> u8| {
+            colors().map(|it| f64::from(channel(it))).sum::<f64>() / count / 255.0
+        };
+        [share(Rgb888::r), share(Rgb888::g), share(Rgb888::b)]
     }
 }
 

@@ -3,7 +3,9 @@
 use embedded_graphics::pixelcolor::Rgb565;
 use glam::Vec3;
 use whitted::columns::{Columns, Sprite, Texture};
-use whitted::{Camera, Grid, Light, Material, Maze, Mirror, Scene, View};
+use whitted::grid::{Across, Door, DoorGrid};
+use whitted::pattern::Nearest;
+use whitted::{Camera, Grid, ImageMap, Light, Material, Maze, Mirror, Scene, View};
 
 use super::{Visitor, level_view};
 
@@ -170,7 +172,119 @@ pub const COLUMNS_VIEW: View = View {
     height: 120,
 };
 
+/// The same plan with two doors.
+static CELLS_WITH_DOORS: [u8; PLAN.len()] = {
+    let mut cells = CELLS;
+    cells[4 * 10 + 3] = 4;
+    cells[5 * 10 + 4] = 5;
+    cells
+};
+
+/// One to the north, almost closed, and one to the east, half open.
+static DOORS: [Door; 2] = [
+    Door {
+        kind: 3,
+        across: Across::Z,
+        open: 0.125,
+    },
+    Door {
+        kind: 3,
+        across: Across::X,
+        open: 0.5,
+    },
+];
+
+const GRID_WITH_DOORS: DoorGrid = DoorGrid {
+    grid: Grid {
+        cells: &CELLS_WITH_DOORS,
+        ..GRID
+    },
+    first: 4,
+    doors: &DOORS,
+};
+
+static PANEL: Bitmap = bitmap(&BRICKS, &[rgb(9, 12, 4), rgb(22, 32, 6), rgb(20, 28, 5)]);
+
+/// The map with doors as columns.
+pub static COLUMNS_WITH_DOORS: Columns<'static, Rgb565, 2, u8, DoorGrid<'static>> = Columns {
+    grid: GRID_WITH_DOORS,
+    walls: &[
+        [&BRICK, &BRICK, &SHADED_BRICK, &SHADED_BRICK],
+        [&TILE, &TILE, &TILE, &TILE],
+        [&PANEL, &PANEL, &PANEL, &PANEL],
+    ],
+    sprites: &SPRITES,
+    floor: rgb(6, 14, 5),
+    ceiling: rgb(5, 10, 9),
+};
+
+/// Both doors, from within the room.
+pub const VIEW_OF_DOORS: View = View {
+    camera: Camera {
+        eye: Vec3::new(1.5, 0.5, 6.5),
+        corner: Vec3::new(0.4, 0.75, -1.55),
+        right: Vec3::new(1.2, 0.0, 1.6),
+        down: Vec3::new(0.0, -1.5, 0.0),
+    },
+    width: 160,
+    height: 120,
+};
+
+type Paved = Material<(), Mirror, (), ImageMap<'static, Bitmap, Nearest>>;
+
+const fn paved(image: &'static Bitmap, reflectance: f32) -> Paved {
+    Material {
+        color: ImageMap {
+            image,
+            repeat: (1.0, 1.0),
+            filter: Nearest,
+        },
+        ambient: 0.25,
+        diffuse: 0.75 * (1.0 - reflectance),
+        highlight: (),
+        reflection: Mirror { reflectance },
+        transmission: (),
+    }
+}
+
+static BRICK_WALL: Paved = paved(&BRICK, 0.0);
+static SHADED_BRICK_WALL: Paved = paved(&SHADED_BRICK, 0.0);
+static TILES: Paved = paved(&TILE, 0.25);
+static WOOD: Paved = paved(&PANEL, 0.0);
+static SCENE_WITH_DOORS: Scene<
+    'static,
+    Maze<'static, Paved, [&'static Paved; 4], DoorGrid<'static>>,
+> = Scene {
+    geometry: Maze {
+        grid: GRID_WITH_DOORS,
+        walls: &[
+            [
+                &BRICK_WALL,
+                &BRICK_WALL,
+                &SHADED_BRICK_WALL,
+                &SHADED_BRICK_WALL,
+            ],
+            [&TILES; 4],
+            [&WOOD; 4],
+        ],
+        floor: &TILES,
+        ceiling: Some(&BRICK_WALL),
+    },
+    lights: &[Light {
+        position: Vec3::new(3.25, 0.875, 5.25),
+        color: Vec3::ONE,
+    }],
+    background: Vec3::ZERO,
+    ambient: Vec3::ONE,
+};
+
+frame!(
+    /// Doors, and textures on all sides of cells.
+    WithDoors = &SCENE_WITH_DOORS, View { width: 64, height: 48, ..VIEW_OF_DOORS }, 4
+);
+
 /// Shows the frames to the visitor, by the names of their programs.
 pub fn visit_all(visitor: &mut impl Visitor) {
     visitor.visit::<AsMaze>("maze");
+    visitor.visit::<WithDoors>("doors");
 }

@@ -32,13 +32,15 @@ pub mod scenes;
 #[cfg(feature = "baked")]
 pub mod baked;
 
+pub use embedded_graphics::pixelcolor::Rgb565;
 pub use glam::Vec3;
+pub use whitted::columns;
 pub use whitted::math::sqrt;
 
 use core::hash::Hasher;
 use core::hint::black_box;
 
-use embedded_graphics::pixelcolor::{IntoStorage, Rgb565};
+use embedded_graphics::pixelcolor::IntoStorage;
 use fnv::FnvHasher;
 
 use checksum::Checksums;
@@ -115,6 +117,50 @@ pub fn draw_columns<T, const HEIGHT: usize>(
     }
     depth.report();
     report("565", sent.finish());
+}
+
+/// Makes the program that draws `$columns`, column by column; what follows the view are the generic
+/// parameters from the number of sprites on.
+#[macro_export]
+macro_rules! columns_program {
+    ($columns:expr, $view:expr, $($parameter:tt)*) => {
+        type Picture = $crate::columns::ColumnPicture<'static, $crate::Rgb565, $($parameter)*>;
+        type Column = [$crate::Rgb565; $view.height as usize];
+
+        /// What is done once a frame.
+        #[unsafe(no_mangle)]
+        #[inline(never)]
+        fn start_picture(picture: &mut Option<Picture>) {
+            *picture = Some($columns.picture(&$view));
+        }
+
+        /// And for each column; a display's driver would send it from here.
+        #[unsafe(no_mangle)]
+        #[inline(never)]
+        fn render_column(picture: &Picture, x: u32, column: &mut Column) {
+            for (pixel, color) in column.iter_mut().zip(picture.pixels(x)) {
+                *pixel = color;
+            }
+        }
+
+        $crate::entry!({
+            let mut column = [$columns.floor; $view.height as usize];
+            $crate::draw_columns(
+                $view.width,
+                || {
+                    let mut picture = None;
+                    start_picture(&mut picture);
+                    core::hint::black_box(picture)
+                },
+                |picture, x| {
+                    if let Some(picture) = picture {
+                        render_column(picture, x, core::hint::black_box(&mut column));
+                    }
+                    column
+                },
+            );
+        });
+    };
 }
 
 /// Draws frames in all ways, one after the other, into memory that is there once.

@@ -90,7 +90,7 @@ impl Stage for Grids {
                 forward: 0.0,
                 wrong: None,
             };
-            let mut borders = [0, 1].map(|axis| start[axis] + u32::from(forwards[axis]));
+            let mut borders = grid::borders_ahead(&ray, start);
             let (_, tell) = method.run;
             tell(course, &mut |t, is_x| {
                 if grid::is_x_first(&ray, borders) != is_x {
@@ -100,8 +100,7 @@ impl Stage for Grids {
                 let axis = usize::from(!is_x);
                 let residual = grid::residual(&ray, 2 * axis, borders[axis], t);
                 verdict.backward = verdict.backward.max(residual);
-                borders[axis] =
-                    borders[axis].wrapping_add_signed(if forwards[axis] { 1 } else { -1 });
+                borders[axis] += if forwards[axis] { 1.0 } else { -1.0 };
             });
             judged(i, verdict);
         }
