@@ -21,8 +21,8 @@ targets=(
 root=$(cd "$(dirname "$0")/.." && pwd)
 say() { echo "embedded.sh: $*" >&2; }
 
-# What a caller's own cargo left behind would change the flags or the compiler of the firmware.
-unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS CARGO_BUILD_RUSTFLAGS CARGO_BUILD_TARGET LD_LIBRARY_PATH
+# What a caller's own cargo left behind would change the flags, the profile or the compiler of the firmware.
+unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS CARGO_BUILD_RUSTFLAGS CARGO_BUILD_TARGET LD_LIBRARY_PATH ${!CARGO_PROFILE_@}
 
 prebuilt() { # COMPILER: has it core for every target?
   local target library

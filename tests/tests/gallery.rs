@@ -212,6 +212,15 @@ fn smooth_pictures_are_those_of_pov_ray() {
     }
 }
 
+/// `whitted render tests/gallery/patterns.toml --samples 4 -o tests/gallery/patterns-smooth.png` draws it.
+#[test]
+fn the_smooth_picture_is_the_one_that_is_shown() {
+    let (file, width, height) = scene("patterns");
+    let shown = Picture::read(&folder().join("patterns-smooth.png")).unwrap();
+    let drawn = sampled(&file, width, height, Sampling::Regular(4));
+    assert!(drawn == shown.samples);
+}
+
 /// What `whitted render` draws with anti-aliasing.
 fn sampled(file: &SceneFile, width: u32, height: u32, sampling: Sampling) -> Vec<u16> {
     let pool = Pool::new(file);

@@ -29,7 +29,7 @@ fn complaints(results: &mut Results, prices: Vec<Price>) -> (Vec<String>, Vec<&'
 fn the_methods_in_use_are_on_the_front() {
     let mut results = measure(
         PLAN,
-        |stage| !["frames", "sampling"].contains(&stage),
+        |stage| !["frames", "sampling", "light buffer"].contains(&stage),
         &|_, _| {},
     );
     let (behind, unpriced) = complaints(&mut results, committed());
@@ -46,7 +46,7 @@ fn the_methods_in_use_are_on_the_front() {
             let is_other = mark.method != subject.winner;
             is_other && mark.sound && mark.error <= error && !mark.costs.is_empty()
         });
-        let Some(rival) = rival.filter(|it| !subject.same.contains(&it.method.as_str())) else {
+        let Some(rival) = rival.filter(|it| !subject.apart.contains(&it.method.as_str())) else {
             continue;
         };
         for price in &mut prices {

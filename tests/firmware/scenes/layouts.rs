@@ -83,7 +83,8 @@ pub mod six_spheres {
     static LIGHTS: [Buffer; 1] = [Buffer::new(LAMP, &BALLS)];
 
     type Geometry = (Culled<'static, Sphere, M, 6>, Checkerboard<'static, M>);
-    pub(super) static SCENE: Scene<'static, Geometry, Buffer> = Scene {
+    /// Objects and lights.
+    pub static SCENE: Scene<'static, Geometry, Buffer> = Scene {
         geometry: (
             Culled(&BALLS),
             Checkerboard {
@@ -95,7 +96,8 @@ pub mod six_spheres {
         background: Vec3::new(0.25, 0.5, 0.75),
         ambient: Vec3::ONE,
     };
-    pub(super) const VIEW: View = level_view(Vec3::new(0.0, 1.25, 2.0));
+    /// Where it is seen from.
+    pub const VIEW: View = level_view(Vec3::new(0.0, 1.25, 2.0));
 }
 
 /// Four spheres, one of them so large that it is the floor, all mirrors, two lights: after the
@@ -135,13 +137,15 @@ pub mod c_ray {
         light(Vec3::new(40.0, 40.0, 150.0), 0.5),
     ];
     static LIGHTS: [Buffer; 2] = [Buffer::new(LAMPS[0], &BALLS), Buffer::new(LAMPS[1], &BALLS)];
-    pub(super) static SCENE: Scene<'static, Culled<Sphere, M, 4>, Buffer> = Scene {
+    /// Objects and lights.
+    pub static SCENE: Scene<'static, Culled<Sphere, M, 4>, Buffer> = Scene {
         geometry: Culled(&BALLS),
         lights: &LIGHTS,
         background: Vec3::new(0.0, 0.0, 0.0),
         ambient: Vec3::ZERO,
     };
-    pub(super) const VIEW: View = level_view(Vec3::new(0.0, 0.5, 1.0));
+    /// Where it is seen from.
+    pub const VIEW: View = level_view(Vec3::new(0.0, 0.5, 1.0));
 }
 
 /// Four spheres of ivory, glass, rubber and mirror over a checkered floor, three lights: after
@@ -199,7 +203,8 @@ pub mod tiny {
     ];
 
     type Geometry = (Culled<'static, Sphere, M, 4>, Checkerboard<'static, M>);
-    pub(super) static SCENE: Scene<'static, Geometry, Buffer> = Scene {
+    /// Objects and lights.
+    pub static SCENE: Scene<'static, Geometry, Buffer> = Scene {
         geometry: (
             Culled(&BALLS),
             Checkerboard {
@@ -211,7 +216,8 @@ pub mod tiny {
         background: Vec3::new(0.25, 0.625, 0.75),
         ambient: Vec3::ZERO,
     };
-    pub(super) const VIEW: View = level_view(Vec3::ZERO);
+    /// Where it is seen from.
+    pub const VIEW: View = level_view(Vec3::ZERO);
 }
 
 frame!(

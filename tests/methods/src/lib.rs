@@ -10,11 +10,13 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod checker;
 pub mod compensated;
 pub mod cuboid;
 pub mod frames;
 pub mod frustum;
 pub mod grid;
+pub mod instance;
 pub mod plane;
 pub mod polygon;
 pub mod power;
@@ -22,6 +24,7 @@ pub mod price;
 pub mod quadric;
 pub mod roots;
 pub mod secondary;
+pub mod solid;
 pub mod sphere;
 pub mod torus;
 pub mod triangle;

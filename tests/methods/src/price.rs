@@ -12,13 +12,20 @@
 use core::hint::black_box;
 
 use glam::Vec3;
-use whitted::{Cuboid, Exact, Frustum, Grid, Math, Plane, Polygon, Ray, Sphere, Triangle};
+use whitted::pattern::Spot;
+use whitted::{
+    Checker, Cuboid, Ends, Exact, Frustum, Grid, Math, Plane, Polygon, Quadric, Ray, Sphere, Torus,
+    Triangle,
+};
 
 use crate::grid::Course;
+use crate::instance::Placed;
 use crate::plane::PlaneForms;
 use crate::secondary::{Leaving, Start};
+use crate::solid::Carved;
 use crate::{
-    Method, cuboid, frustum, grid, plane, polygon, power, roots, secondary, sphere, triangle,
+    Method, checker, cuboid, frustum, grid, instance, plane, polygon, power, quadric, roots,
+    secondary, solid, sphere, torus, triangle,
 };
 
 /// Name of the method that is subtracted.
@@ -46,7 +53,7 @@ pub trait Meter {
     fn measure(&mut self, entry: Entry, run: impl FnMut());
 }
 
-/// Shows every method of every stage to `meter`, on inputs that depend on nothing.
+/// Shows every method of every stage but those of [`joined`] to `meter`, on inputs that depend on nothing.
 ///
 /// The functions that this calls are not inlined: the inputs of all of them at once do not fit on the
 /// stack of a small part.
@@ -58,13 +65,26 @@ pub fn all(meter: &mut impl Meter) {
         price_polygons(meter, case, hit);
         price_cuboids(meter, case, hit);
         price_frusta(meter, case, hit);
+        price_quadrics(meter, case, hit);
+        price_tori(meter, case, hit);
     }
     price_planes(meter);
     price_grids(meter);
+    price_checkers(meter);
     price_setups(meter);
     price_secondary(meter);
     price_roots(meter);
     price_powers(meter);
+}
+
+/// Shows what joins kernels that are priced one by one: in a program of its own, for who calls a kernel
+/// from one more place changes what is inlined.
+pub fn joined(meter: &mut impl Meter) {
+    for case in ["hit", "miss"] {
+        let hit = case == "hit";
+        price_instances(meter, case, hit);
+        price_solids(meter, case, hit);
+    }
 }
 
 /// Shows the empty method, then all others.
@@ -181,6 +201,58 @@ fn price_frusta(meter: &mut impl Meter, case: &'static str, hit: bool) {
 }
 
 #[inline(never)]
+fn price_quadrics(meter: &mut impl Meter, case: &'static str, hit: bool) {
+    let (methods, inputs) = (quadric::METHODS, quadrics(hit));
+    stage(
+        meter,
+        ["quadric", case],
+        methods,
+        |_, _| None,
+        &inputs,
+        |f, (ray, quadric)| f(ray, quadric).is_some(),
+    );
+}
+
+#[inline(never)]
+fn price_tori(meter: &mut impl Meter, case: &'static str, hit: bool) {
+    let (methods, inputs) = (torus::METHODS, tori(hit));
+    stage(
+        meter,
+        ["torus", case],
+        methods,
+        |_, _| None,
+        &inputs,
+        |f, (ray, torus)| f(ray, torus).is_some(),
+    );
+}
+
+#[inline(never)]
+fn price_instances(meter: &mut impl Meter, case: &'static str, hit: bool) {
+    let (methods, inputs) = (instance::METHODS, instances(hit));
+    stage(
+        meter,
+        ["instance", case],
+        methods,
+        |_, _| None,
+        &inputs,
+        |f, (ray, placed)| f(ray, placed).is_some(),
+    );
+}
+
+#[inline(never)]
+fn price_solids(meter: &mut impl Meter, case: &'static str, hit: bool) {
+    let (methods, inputs) = (solid::METHODS, solids(hit));
+    stage(
+        meter,
+        ["solid", case],
+        methods,
+        |_, _| None,
+        &inputs,
+        |f, (ray, carved)| f(ray, carved).is_some(),
+    );
+}
+
+#[inline(never)]
 fn price_planes(meter: &mut impl Meter) {
     let (methods, inputs) = (plane::METHODS, planes());
     stage(
@@ -200,6 +272,31 @@ fn price_grids(meter: &mut impl Meter) {
     stage(meter, ["grid", ""], methods, empty, &inputs, |f, it| {
         f.0(it)
     });
+}
+
+#[inline(never)]
+fn price_checkers(meter: &mut impl Meter) {
+    let mut random = Random(13);
+    let inputs: [(Checker, Spot); CALLS] = core::array::from_fn(|_| {
+        let checker = Checker {
+            colors: [Vec3::ZERO, Vec3::ONE],
+            size: 0.5 + random.unit(),
+        };
+        let spot = Spot {
+            point: random.vector() * 10.0,
+            outward: random.direction(),
+            uv: (0.0, 0.0),
+        };
+        (checker, spot)
+    });
+    stage(
+        meter,
+        ["checker", ""],
+        checker::METHODS,
+        |_, spot| spot.point,
+        &inputs,
+        |f, (checker, spot)| f(checker, spot),
+    );
 }
 
 /// What a ray costs once for all polygons or boxes. Each returns another type; of all of them a vector
@@ -404,6 +501,99 @@ pub fn frusta(hit: bool) -> [(Ray, Frustum); CALLS] {
             let ray = ray_past(&mut random, center, miss);
             if ray.direction.dot(axis).abs() < 0.6 {
                 return (ray, frustum);
+            }
+        }
+    })
+}
+
+/// Rays that hit, or pass, open quadrics of six kinds, at up to twice their size from the center.
+pub fn quadrics(hit: bool) -> [(Ray, Quadric); CALLS] {
+    let mut random = Random(10);
+    core::array::from_fn(|i| {
+        loop {
+            let (center, axis) = (random.vector() * 4.0, random.direction());
+            let (base, apex) = (center - axis, center + axis);
+            let (radius, share) = (1.0 + 0.5 * random.unit(), 0.2 + 0.6 * random.unit());
+            let quadric = match i % 6 {
+                0 => Quadric::ellipsoid(center, Vec3::new(radius, share, 1.0)),
+                1 => Quadric::cylinder(base, apex, share, Ends::Open),
+                2 => Quadric::cone(base, radius, apex, 0.0, Ends::Open),
+                3 => Quadric::paraboloid(base, apex, radius, Ends::Open),
+                4 => Quadric::hyperboloid(base, apex, radius, share, Ends::Open),
+                _ => Quadric::two_sheets(base, apex, radius, share, Ends::Open),
+            };
+            let distance = 2.0 * random.unit();
+            let ray = ray_past(&mut random, center, distance);
+            match quadric {
+                Ok(it) if quadric::double(&ray, &it).is_some() == hit => return (ray, it),
+                _ => {}
+            }
+        }
+    })
+}
+
+/// Rays that hit, or pass, tori, at up to twice their size from the center.
+pub fn tori(hit: bool) -> [(Ray, Torus); CALLS] {
+    let mut random = Random(11);
+    core::array::from_fn(|_| {
+        loop {
+            let torus = Torus {
+                center: random.vector() * 4.0,
+                axis: random.direction(),
+                major: 1.0,
+                minor: 0.1 + 0.6 * random.unit(),
+            };
+            let distance = 2.0 * (torus.major + torus.minor) * random.unit();
+            let ray = ray_past(&mut random, torus.center, distance);
+            if torus::core(&ray, &torus).is_some() == hit {
+                return (ray, torus);
+            }
+        }
+    })
+}
+
+/// Rays that hit, or pass, spheres that are placed, at up to twice their size.
+pub fn instances(hit: bool) -> [(Ray, Placed); CALLS] {
+    let mut random = Random(12);
+    core::array::from_fn(|_| {
+        loop {
+            let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis + random.vector() * 0.5);
+            let sphere = Sphere {
+                center: random.vector(),
+                radius: 1.0,
+            };
+            let Some(placed) = Placed::new(axes, random.vector() * 4.0, sphere) else {
+                continue;
+            };
+            let distance = 2.0 * random.unit();
+            let ray = ray_past(&mut random, placed.quadric.center, distance);
+            if instance::double(&ray, &placed).is_some() == hit {
+                return (ray, placed);
+            }
+        }
+    })
+}
+
+/// Rays that hit, or pass, boxes with a round hole down to the middle.
+pub fn solids(hit: bool) -> [(Ray, Carved); CALLS] {
+    let mut random = Random(14);
+    core::array::from_fn(|_| {
+        loop {
+            let (center, half) = (random.vector() * 4.0, Vec3::ONE + random.vector() * 0.5);
+            let outer = Cuboid {
+                min: center - half,
+                max: center + half,
+            };
+            let radius = 0.2 + 0.2 * random.unit();
+            let top = center.with_y(outer.max.y);
+            let Ok(inner) = Quadric::cylinder(center, top, radius, Ends::Closed) else {
+                continue;
+            };
+            let distance = if hit { 0.5 } else { 2.6 } * random.unit();
+            let ray = ray_past(&mut random, center, distance);
+            let carved = Carved::new(outer, inner);
+            if solid::core(&ray, &carved).is_some() == hit {
+                return (ray, carved);
             }
         }
     })

@@ -37,6 +37,15 @@ fn times(quadric: &Quadric, v: Vec3) -> Vec3 {
     )
 }
 
+/// Whether a point is inside of a closed one.
+#[inline(always)]
+pub(crate) fn contains(quadric: &Quadric, point: Vec3) -> bool {
+    let (q, clip) = (point - quadric.center, &quadric.clip);
+    let [.., value] = polynomial(quadric, q, Vec3::ZERO);
+    let along = clip.axis.dot(q);
+    value <= 0.0 && along >= clip.from && along <= clip.to
+}
+
 /// `a`, `b` and `c` from a point.
 #[inline(always)]
 fn polynomial(quadric: &Quadric, q: Vec3, direction: Vec3) -> [f32; 3] {

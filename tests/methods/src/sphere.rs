@@ -179,6 +179,11 @@ pub fn shift(ray: &Ray, sphere: &Sphere) -> Option<f32> {
 /// The same for any direction.
 #[inline(never)]
 pub fn shift_any(ray: &Ray, sphere: &Sphere) -> Option<f32> {
+    by_any_length(ray, sphere)
+}
+
+#[inline(always)]
+pub(crate) fn by_any_length(ray: &Ray, sphere: &Sphere) -> Option<f32> {
     let f = sphere.center - ray.origin;
     let a = ray.direction.dot(ray.direction);
     let approach = f.dot(ray.direction) / a;

@@ -252,14 +252,11 @@ pub fn bernstein(ray: &Ray, torus: &Torus) -> Option<f32> {
     const DEPTH: usize = 48;
     let mut waiting = [([0.0; 5], 0.0, 0.0); DEPTH];
     waiting[0] = (whole, 0.0_f32, 1.0_f32);
-    let mut count = 1;
+    let mut count = 1_usize;
     // Every piece is halved once and its right half waits.
     for _ in 0..4 * DEPTH {
-        if count == 0 {
-            return None;
-        }
-        count -= 1;
-        let (piece, from, size) = waiting[count];
+        count = count.checked_sub(1)?;
+        let &(piece, from, size) = waiting.get(count)?;
         let mut changes = 0;
         for pair in piece.windows(2) {
             changes += i32::from(pair[0] * pair[1] < 0.0 || pair[0] != 0.0 && pair[1] == 0.0);
@@ -285,9 +282,8 @@ pub fn bernstein(ray: &Ray, torus: &Torus) -> Option<f32> {
                 right[i] = 0.5 * (right[i] + right[i + 1]);
             }
         }
-        if count + 2 <= DEPTH {
-            waiting[count] = (right, from + half, half);
-            waiting[count + 1] = (left, from, half);
+        if let Some(next) = waiting.get_mut(count..count + 2) {
+            next.copy_from_slice(&[(right, from + half, half), (left, from, half)]);
             count += 2;
         }
     }

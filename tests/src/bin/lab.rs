@@ -20,7 +20,7 @@ struct Arguments {
     /// So many rays at the edges, and as many at the corners, of each of the six meshes.
     #[arg(long, value_name = "COUNT")]
     rays: Option<u64>,
-    /// Only these stages, as named in sweeps.csv, or `watertight`, `frames` or `sampling`.
+    /// Only these stages, as named in sweeps.csv, or `watertight`, `frames`, `sampling` or `light buffer`.
     #[arg(long, value_name = "STAGE", requires = "out")]
     only: Vec<String>,
     /// Where the tables and charts go, if not where the committed ones are.

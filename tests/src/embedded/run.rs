@@ -69,6 +69,7 @@ pub fn run_counted(
 ///
 /// Where there is no C compiler, or it fails.
 pub fn build_plugin(directory: &Path) -> Result<PathBuf> {
+    std::fs::create_dir_all(directory)?;
     let plugin = directory.join("icount.so");
     let source = super::firmware::directory().join("icount.c");
     let status = Command::new("gcc")

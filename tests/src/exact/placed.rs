@@ -4,8 +4,8 @@
 //! sphere where `|A (o - c) + t A d - D center| = |D radius|`: no inverse is needed, and nothing is rounded.
 
 use super::number::{Number, Vector};
-use super::sphere::along_line;
-use super::{Line, Truth, U, dot, first_sure, wide};
+use super::sphere::{along_line, margins_along};
+use super::{Line, Margins, Truth, U, cross, difference, dot, first_sure, wide};
 
 /// An affine map as it is.
 #[derive(Clone, Copy, Debug)]
@@ -39,20 +39,18 @@ fn solve<N: Number>(
     along_line(d, f, determinant * N::new(radius))
 }
 
+/// The rows of the inverse.
+fn inverse(placement: &Placement) -> [[f64; 3]; 3] {
+    let [a, b, c] = placement.axes.map(wide);
+    let rows = [cross(b, c), cross(c, a), cross(a, b)];
+    let determinant = dot(a, rows[0]);
+    rows.map(|row| row.map(|x| x / determinant))
+}
+
 /// How far the point at a distance is off the sphere, in the sphere's space, in u of the greatest of its
 /// coordinates there and of the sums that make them.
 pub fn residual(ray: &Line, placement: &Placement, center: [f32; 3], radius: f32, t: f64) -> f64 {
-    let [a, b, c] = placement.axes.map(wide);
-    let cross = |p: [f64; 3], q: [f64; 3]| {
-        [
-            p[1] * q[2] - p[2] * q[1],
-            p[2] * q[0] - p[0] * q[2],
-            p[0] * q[1] - p[1] * q[0],
-        ]
-    };
-    let rows = [cross(b, c), cross(c, a), cross(a, b)];
-    let determinant = dot(a, rows[0]);
-    let inverse = rows.map(|row| row.map(|x| x / determinant));
+    let inverse = inverse(placement);
     let (o, d, place, center) = (
         wide(ray.origin),
         wide(ray.direction),
@@ -73,6 +71,18 @@ pub fn residual(ray: &Line, placement: &Placement, center: [f32; 3], radius: f32
         })
         .fold(0.0, f64::max);
     (length - radius).abs() / (U * (reach + radius))
+}
+
+/// How far the ray is from meeting the sphere otherwise, as [`residual`] counts.
+pub fn margins(ray: &Line, placement: &Placement, center: [f32; 3], radius: f32) -> Margins {
+    let inverse = inverse(placement);
+    let turned = |v: [f64; 3]| inverse.map(|row| dot(row, v));
+    let origin = turned(difference(ray.origin, placement.translation));
+    let center_there = wide(center);
+    let f = std::array::from_fn(|i| center_there[i] - origin[i]);
+    margins_along(turned(wide(ray.direction)), f, radius, |t| {
+        residual(ray, placement, center, radius, t)
+    })
 }
 
 #[cfg(test)]

@@ -59,13 +59,23 @@ pub fn residual(ray: &Line, center: [f32; 3], radius: f32, t: f64) -> f64 {
 /// How far the ray is from meeting the sphere otherwise.
 pub fn margins(ray: &Line, center: [f32; 3], radius: f32) -> Margins {
     let (d, f) = (wide(ray.direction), difference(center, ray.origin));
+    margins_along(d, f, radius, |t| residual(ray, center, radius, t))
+}
+
+/// Along a ray of direction `d`, of a sphere whose center lies at `f` from the origin.
+pub(super) fn margins_along(
+    d: [f64; 3],
+    f: [f64; 3],
+    radius: f32,
+    residual: impl Fn(f64) -> f64,
+) -> Margins {
     let a = dot(d, d);
     let middle = dot(f, d) / a;
     let miss = cross(f, d);
     let half_chord_squared = f64::from(radius).powi(2) - dot(miss, miss) / a;
     let half_chord = (half_chord_squared.max(0.0) / a).sqrt();
     // A root counts no more, or again, when the origin is on the sphere.
-    let margin = residual(ray, center, radius, 0.0);
+    let margin = residual(0.0);
     let root = |t| {
         Some(Root {
             t,
@@ -74,7 +84,7 @@ pub fn margins(ray: &Line, center: [f32; 3], radius: f32) -> Margins {
         })
     };
     Margins {
-        line: residual(ray, center, radius, middle),
+        line: residual(middle),
         meets: half_chord_squared >= 0.0,
         roots: [root(middle - half_chord), root(middle + half_chord)],
     }

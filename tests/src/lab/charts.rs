@@ -2,13 +2,14 @@
 //!
 //! Of each stage, cost against worst error (`price_and_error`) and wrong answers against difficulty
 //! (`difficulty`); of the polygons also what leaks through closed meshes (`leaks`); and of whole frames,
-//! cost against pixels that are off (`frames`), and rays against error (`sampling`). Marks and lines carry
-//! their names: there are no legends to look up.
+//! cost against pixels that are off (`frames`), and rays against error (`sampling`); of shadow rays, bytes
+//! against tests (`light_buffer`). Marks and lines carry their names, where there is room for them.
 
 mod difficulty;
 mod frames;
 mod labels;
 mod leaks;
+mod light_buffer;
 mod price_and_error;
 mod sampling;
 
@@ -17,7 +18,7 @@ use std::path::Path;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::front::{Results, SUBJECTS, UNPRICED};
+use super::front::{Results, SUBJECTS};
 
 /// What can go wrong in drawing: files that cannot be written, mostly.
 pub type Failure = Box<dyn std::error::Error>;
@@ -57,10 +58,6 @@ pub fn draw_all(results: &Results, folder: &Path) -> Result<(), Failure> {
             &folder.join(format!("{}-difficulty.svg", name(subject.stage))),
         )?;
     }
-    for subject in UNPRICED {
-        let path = folder.join(format!("{}-difficulty.svg", name(subject.stage)));
-        difficulty::draw(results, subject, &path)?;
-    }
     overview(results, &folder.join("overview.svg"))?;
     frames::draw(results, &folder.join("frames.svg"))?;
     let sampled = &results.sampling;
@@ -68,6 +65,7 @@ pub fn draw_all(results: &Results, folder: &Path) -> Result<(), Failure> {
         let path = folder.join(format!("sampling-{subject}.svg"));
         sampling::draw(sampled, subject, title, &path)?;
     }
+    light_buffer::draw(&results.buffers, &folder.join("light-buffer.svg"))?;
     leaks::draw(&results.leaks, &folder.join("watertight.svg"))
 }
 
@@ -89,7 +87,7 @@ fn sheet(
 /// Cost against error of the intersections, on one sheet.
 fn overview(results: &Results, path: &Path) -> Result<(), Failure> {
     let stages = [
-        "sphere", "plane", "triangle", "polygon", "cuboid", "frustum",
+        "sphere", "plane", "triangle", "polygon", "cuboid", "frustum", "quadric", "torus",
     ];
     let subject = |stage| SUBJECTS.iter().find(|subject| subject.stage == stage);
     let subjects: Vec<_> = stages.into_iter().filter_map(subject).collect();
@@ -97,8 +95,8 @@ fn overview(results: &Results, path: &Path) -> Result<(), Failure> {
     if marks.iter().all(Vec::is_empty) {
         return Ok(());
     }
-    sheet(path, (1240, 1200), |canvas| {
-        let cells = canvas.split_evenly((3, 2));
+    sheet(path, (1240, 1600), |canvas| {
+        let cells = canvas.split_evenly((4, 2));
         for ((cell, subject), marks) in cells.iter().zip(subjects).zip(&marks) {
             if !marks.is_empty() {
                 price_and_error::draw(cell, subject, marks, results.source())?;

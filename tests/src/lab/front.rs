@@ -2,6 +2,7 @@
 
 use super::cycles::{self, Cost, Price};
 use super::frames::{Frame, FramePrice};
+use super::light_buffer::Buffered;
 use super::sampling::Sampled;
 use super::special::Outcome;
 use super::tally::Row;
@@ -19,8 +20,9 @@ pub struct Subject {
     /// The method of the table that `whitted` uses. Its entry calls the code of `whitted` itself, so
     /// that there is one place to change when that changes.
     pub winner: &'static str,
-    /// Methods that do the same, written once more for the lab: they do not compete with the winner.
-    pub same: &'static [&'static str],
+    /// Methods that do not compete with the winner: the same written once more for the lab, or what would
+    /// need another copy of every kernel.
+    pub apart: &'static [&'static str],
 }
 
 /// What an error is counted in.
@@ -45,10 +47,31 @@ pub const SUBJECTS: &[Subject] = &[
     subject("polygon", "Ray and hexagon", Measure::Backward, &[]),
     subject("cuboid", "Ray and box", Measure::Backward, &[]),
     subject("frustum", "Ray and cone", Measure::Backward, &[]),
+    subject("quadric", "Ray and quadric", Measure::Backward, &[]),
+    subject("torus", "Ray and torus", Measure::Backward, &[]),
+    // The kernels of `whitted` take directions of unit length.
+    subject(
+        "instance",
+        "Ray and sphere that is placed",
+        Measure::Backward,
+        &["direction as it is", "4 x 4 matrix"],
+    ),
     subject(
         "grid",
         "Walk over 32 borders of a grid",
         Measure::Backward,
+        &[],
+    ),
+    subject(
+        "solid",
+        "Ray and box with a round hole",
+        Measure::Wrong,
+        &[],
+    ),
+    subject(
+        "checker",
+        "Checker on a surface in a boundary",
+        Measure::Wrong,
         &[],
     ),
     subject("secondary", "Start of a secondary ray", Measure::Wrong, &[]),
@@ -59,24 +82,18 @@ pub const SUBJECTS: &[Subject] = &[
     subject("power, real", "Real power", Measure::Steps, &[]),
 ];
 
-/// Those whose methods have no price yet.
-pub const UNPRICED: &[Subject] = &[
-    subject("quadric", "Ray and quadric", Measure::Backward, &[]),
-    subject("torus", "Ray and torus", Measure::Backward, &[]),
-];
-
 const fn subject(
     stage: &'static str,
     title: &'static str,
     measure: Measure,
-    same: &'static [&'static str],
+    apart: &'static [&'static str],
 ) -> Subject {
     Subject {
         stage,
         title,
         measure,
         winner: "core",
-        same,
+        apart,
     }
 }
 
@@ -111,6 +128,8 @@ pub struct Results {
     pub leaks: Vec<Leaks>,
     /// Ways to sample pixels and lights.
     pub sampling: Vec<Sampled>,
+    /// What shadow rays are saved.
+    pub buffers: Vec<Buffered>,
     /// The frames.
     pub frames: Vec<Frame>,
     /// The methods' prices.
@@ -169,7 +188,7 @@ impl Results {
             }
             for other in marks
                 .iter()
-                .filter(|mark| !subject.same.contains(&mark.method.as_str()))
+                .filter(|mark| !subject.apart.contains(&mark.method.as_str()))
             {
                 if other.dominates(winner) {
                     complaints.push(format!(

@@ -1,12 +1,15 @@
 //! The method lab: every method of every stage over sweeps of difficulty, against exact answers.
 
 pub mod charts;
+pub mod checker;
 pub mod cuboid;
 pub mod cycles;
 pub mod frames;
 pub mod front;
 pub mod frustum;
 pub mod grid;
+pub mod instance;
+pub mod light_buffer;
 pub mod mesh;
 pub mod plane;
 pub mod polygon;
@@ -16,6 +19,7 @@ pub mod random;
 pub mod roots;
 pub mod sampling;
 pub mod secondary;
+pub mod solid;
 pub mod special;
 pub mod sphere;
 pub mod sweep;
@@ -100,6 +104,9 @@ pub fn measure(
     stage::<quadric::Quadrics>(&mut rows, plan, &wanted, progress);
     stage::<grid::Grids>(&mut rows, plan, &wanted, progress);
     stage::<torus::Tori>(&mut rows, plan, &wanted, progress);
+    stage::<instance::Instances>(&mut rows, plan, &wanted, progress);
+    stage::<solid::Solids>(&mut rows, plan, &wanted, progress);
+    stage::<checker::Checkers>(&mut rows, plan, &wanted, progress);
     stage::<secondary::Secondary>(&mut rows, plan, &wanted, progress);
     stage::<roots::Sqrt>(&mut rows, plan, &wanted, progress);
     stage::<roots::Rsqrt>(&mut rows, plan, &wanted, progress);
@@ -129,6 +136,10 @@ pub fn measure(
             true => sampling::run(plan.width / 2, progress),
             false => Vec::new(),
         },
+        buffers: match wanted("light buffer") {
+            true => light_buffer::run(progress),
+            false => Vec::new(),
+        },
         ..Results::default()
     }
 }
@@ -156,6 +167,7 @@ pub fn write(results: &Results, folder: &Path) -> Result<(), csv::Error> {
     table(&folder.join("watertight.csv"), &results.leaks)?;
     table(&folder.join("frames.csv"), &results.frames)?;
     table(&folder.join("sampling.csv"), &results.sampling)?;
+    table(&folder.join("light-buffer.csv"), &results.buffers)?;
     let mut worst: Vec<Worst> = Vec::new();
     for row in results
         .rows
@@ -294,6 +306,40 @@ mod tests {
         for method in ["Ferrari", "Sturm", "Bernstein", "sphere tracing"] {
             let most = of(method).map(|row| row.backward.max(row.band));
             assert!(most.fold(0.0, f64::max) > 100.0, "{method}");
+        }
+    }
+
+    #[test]
+    fn what_is_placed_is_met_within_its_bounds() {
+        let results = measure(PLAN, |stage| stage == "instance", &|_, _| {});
+        let (backward, band) = worst(&results, "instance", "core");
+        assert!(backward <= 3.0 && band <= 2.0, "{backward} u, {band} u");
+        let (backward, _) = worst(&results, "instance", "quadric in the world");
+        assert!(backward > 100.0, "{backward} u");
+    }
+
+    #[test]
+    fn faces_that_coincide_make_no_film_and_no_specks() {
+        let results = measure(
+            PLAN,
+            |stage| ["solid", "checker"].contains(&stage),
+            &|_, _| {},
+        );
+        let wrong = |stage: &str, method: &str| {
+            let is = |row: &&Row| row.stage == stage && row.method == method;
+            let near = |row: &&Row| !row.sweep.ends_with("extreme");
+            let share = |row: &Row| row.wrong as f64 / row.n as f64;
+            let rows = results.rows.iter().filter(is).filter(near);
+            rows.map(share).fold(0.0, f64::max)
+        };
+        assert_eq!(wrong("solid", "core"), 0.0);
+        // Edges across surfaces that are not quite in a boundary move by 1/1024 of a cell.
+        assert!(wrong("checker", "core") < 0.1);
+        for method in ["intervals", "points, 1e-4 aside", "256 steps, halved"] {
+            assert!(wrong("solid", method) > 0.02, "{method}");
+        }
+        for method in ["floor", "floor, + 1e-4"] {
+            assert!(wrong("checker", method) > 0.1, "{method}");
         }
     }
 

@@ -60,6 +60,11 @@ impl Counted {
     }
 }
 
+type Show = fn(&mut Entries);
+
+/// The programs, and what they run.
+const PROGRAMS: [(&str, Show); 2] = [("methods", price::all), ("joined", price::joined)];
+
 /// Prices all methods.
 ///
 /// # Errors
@@ -67,19 +72,21 @@ impl Counted {
 /// Where the firmware cannot be built, run or counted; `tests/embedded.sh setup` installs what that
 /// takes.
 pub fn measure() -> Result<Vec<Price>> {
-    let mut entries = Entries(Vec::new());
-    price::all(&mut entries);
     let mut prices = Vec::new();
     for (name, target) in [(TARGET, CORTEX_M4F), ("cortex-m0", CORTEX_M0)] {
-        let counted = Counted::run("methods", &target, entries.0.len())?;
-        let mut empty = None;
-        for (entry, profile) in entries.0.iter().zip(&counted.profiles) {
-            let count = Count::of(&counted.image, profile, target == CORTEX_M4F)?;
-            if entry.method == EMPTY {
-                empty = Some(count);
-            } else {
-                let empty = empty.as_ref().context("the empty method comes first")?;
-                prices.push(count.price(entry, empty, name, &counted.image));
+        for (program, show) in PROGRAMS {
+            let mut entries = Entries(Vec::new());
+            show(&mut entries);
+            let counted = Counted::run(program, &target, entries.0.len())?;
+            let mut empty = None;
+            for (entry, profile) in entries.0.iter().zip(&counted.profiles) {
+                let count = Count::of(&counted.image, profile, target == CORTEX_M4F)?;
+                if entry.method == EMPTY {
+                    empty = Some(count);
+                } else {
+                    let empty = empty.as_ref().context("the empty method comes first")?;
+                    prices.push(count.price(entry, empty, name, &counted.image));
+                }
             }
         }
     }

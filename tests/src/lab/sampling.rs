@@ -151,13 +151,13 @@ fn pixels(name: &str, width: u32) -> Vec<Sampled> {
                 * 0.25
         })
         .collect();
-    let jittered = |count: u32, everywhere: bool| {
+    let jittered = |count: u32, once: bool| {
         let line = |y: u32| {
             let mut tracer = Tracer::<DEPTH, Exact, _>::with(Counters::default());
             tracer.depth = file.depth;
             let mut pixels = Vec::new();
             for x in 0..width {
-                let cell = if everywhere { 0 } else { 1 + y * width + x };
+                let cell = if once { 0 } else { 1 + y * width + x };
                 let mut sum = Vec3::ZERO;
                 for (place, [u, v]) in (0..).zip(jitter(cell.into(), count)) {
                     let across =
@@ -334,11 +334,11 @@ fn lights(name: &str, width: u32) -> Vec<Sampled> {
         };
         together((0..height).into_par_iter().map(line).collect())
     };
-    let jittered = |count, everywhere: bool| Look::Jittered {
+    let jittered = |count, once: bool| Look::Jittered {
         count,
-        table: (!everywhere).then(|| jitter(0, count)),
+        table: once.then(|| jitter(0, count)),
     };
-    let truth = draw(jittered(64, false)).pixels;
+    let truth = draw(jittered(64, true)).pixels;
     let truth: Vec<_> = truth.into_iter().map(shown).collect();
     let mut lines = Vec::new();
     let mut add = |method: &str, setting: String, look| {
@@ -359,9 +359,9 @@ fn lights(name: &str, width: u32) -> Vec<Sampled> {
             add(
                 "jittered everywhere",
                 setting.clone(),
-                jittered(count, true),
+                jittered(count, false),
             );
-            add("jittered once", setting, jittered(count, false));
+            add("jittered once", setting, jittered(count, true));
         }
     }
     for (method, least) in [("adaptive, from 2 × 2", 1), ("adaptive, from 4 × 4", 2)] {

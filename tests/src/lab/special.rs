@@ -1,8 +1,10 @@
 //! Inputs that break methods rather than strain them: zero, infinity, NaN, degenerate shapes.
 
-use whitted::{Cuboid, Frustum, Plane, Polygon, Ray, Sphere, Triangle, Vec3};
+use whitted::{Cuboid, Ends, Frustum, Plane, Polygon, Quadric, Ray, Sphere, Torus, Triangle, Vec3};
 use whitted_methods::plane::PlaneForms;
-use whitted_methods::{cuboid, frustum, plane, polygon, power, roots, sphere, triangle};
+use whitted_methods::{
+    cuboid, frustum, plane, polygon, power, quadric, roots, sphere, torus, triangle,
+};
 
 /// What may be answered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -528,6 +530,105 @@ fn frusta() -> Cases<(Ray, Frustum)> {
     ]
 }
 
+fn quadrics() -> Cases<(Ray, Quadric)> {
+    let radii = Vec3::new(2.0, 1.0, 1.0);
+    let egg = Quadric::ellipsoid(Vec3::ZERO, radii).expect("an ellipsoid");
+    let top = Vec3::Y * 2.0;
+    let pipe = Quadric::cylinder(Vec3::ZERO, top, 1.0, Ends::Open).expect("a cylinder");
+    let cone = Quadric::cone(top, 2.0, Vec3::ZERO, 0.0, Ends::Open).expect("a cone");
+    let across = |x: f32, y: f32| ray([x, y, -3.0], [0.0, 0.0, 1.0]);
+    let up = |x: f32| ray([x, -3.0, 0.0], [0.0, 1.0, 0.0]);
+    let s = std::f32::consts::FRAC_1_SQRT_2;
+    let nan = Quadric {
+        squares: Vec3::NAN,
+        ..egg
+    };
+    vec![
+        ("across", (across(0.0, 0.0), egg), Hit(2.0)),
+        (
+            "along",
+            (ray([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0]), egg),
+            Hit(1.0),
+        ),
+        ("tangent", (across(2.0, 0.0), egg), HitOrMiss(3.0)),
+        ("a step outside", (across(2.0 + 8.0 * U, 0.0), egg), Miss),
+        (
+            "from the center",
+            (ray([0.0; 3], [0.0, 1.0, 0.0]), egg),
+            Hit(1.0),
+        ),
+        ("behind", (ray([0.0, 0.0, 3.0], [0.0, 0.0, 1.0]), egg), Miss),
+        ("cylinder, across", (across(0.0, 1.0), pipe), Hit(2.0)),
+        (
+            "cylinder, at the base",
+            (across(0.0, 0.0), pipe),
+            HitOrMiss(2.0),
+        ),
+        ("cylinder, along the axis", (up(0.0), pipe), Miss),
+        ("cylinder, along the side", (up(1.0), pipe), Finite),
+        ("cylinder, outside, along", (up(1.5), pipe), Miss),
+        ("cone, across", (across(0.0, 1.0), cone), Hit(2.0)),
+        ("cone, along the axis", (up(0.5), cone), Hit(3.5)),
+        ("cone, other half", (across(0.0, -1.0), cone), Miss),
+        (
+            "cone, parallel to a side",
+            (ray([0.0, 0.0, -1.0], [0.0, s, s]), cone),
+            HitOrMiss(s),
+        ),
+        ("no direction", (ray([0.0, 0.0, -3.0], [0.0; 3]), egg), Miss),
+        ("squares NaN", (across(0.0, 0.0), nan), Miss),
+    ]
+}
+
+fn tori() -> Cases<(Ray, Torus)> {
+    let ring = Torus {
+        center: Vec3::ZERO,
+        axis: Vec3::Y,
+        major: 2.0,
+        minor: 1.0,
+    };
+    let across = |x: f32, y: f32| ray([x, y, -5.0], [0.0, 0.0, 1.0]);
+    let up = |x: f32| ray([x, -5.0, 0.0], [0.0, 1.0, 0.0]);
+    vec![
+        ("across", (across(0.0, 0.0), ring), Hit(2.0)),
+        ("from below", (up(2.0), ring), Hit(4.0)),
+        ("through the hole", (up(0.5), ring), Miss),
+        ("along the axis", (up(0.0), ring), Miss),
+        // A double root is known to the root of a rounding.
+        ("at the edge of the hole", (up(1.0), ring), Finite),
+        ("at the outer edge", (up(3.0), ring), Finite),
+        ("a step outside", (up(3.0 + 16.0 * U), ring), Miss),
+        // Twice on a circle.
+        ("on top", (across(0.0, 1.0), ring), Finite),
+        ("above", (across(0.0, 1.0 + 8.0 * U), ring), Miss),
+        (
+            "from inside",
+            (ray([2.0, 0.0, 0.0], [0.0, 1.0, 0.0]), ring),
+            Hit(1.0),
+        ),
+        (
+            "from the center",
+            (ray([0.0; 3], [1.0, 0.0, 0.0]), ring),
+            Hit(1.0),
+        ),
+        (
+            "behind",
+            (ray([0.0, 0.0, 5.0], [0.0, 0.0, 1.0]), ring),
+            Miss,
+        ),
+        (
+            "no direction",
+            (ray([0.0, 0.0, -5.0], [0.0; 3]), ring),
+            Miss,
+        ),
+        (
+            "direction NaN",
+            (ray([0.0, 0.0, -5.0], [0.0, NAN, 1.0]), ring),
+            Miss,
+        ),
+    ]
+}
+
 /// An input whose numbers can be replaced one by one.
 trait Fields: Sized {
     /// The same with one number replaced; nothing past the last one.
@@ -610,6 +711,34 @@ impl Fields for (Ray, Frustum) {
             ]);
         replace(of_ray(&mut ray).chain(shape), field, value)?;
         Some((ray, frustum))
+    }
+}
+
+impl Fields for (Ray, Quadric) {
+    fn with(&self, field: usize, value: f32) -> Option<Self> {
+        let (mut ray, mut quadric) = *self;
+        let vectors = [
+            &mut quadric.center,
+            &mut quadric.squares,
+            &mut quadric.products,
+            &mut quadric.linear,
+        ];
+        let shape = vectors.into_iter().flat_map(of_vector);
+        let numbers = shape.chain([&mut quadric.constant]);
+        replace(of_ray(&mut ray).chain(numbers), field, value)?;
+        Some((ray, quadric))
+    }
+}
+
+impl Fields for (Ray, Torus) {
+    fn with(&self, field: usize, value: f32) -> Option<Self> {
+        let (mut ray, mut torus) = *self;
+        let shape = of_vector(&mut torus.center)
+            .into_iter()
+            .chain(of_vector(&mut torus.axis))
+            .chain([&mut torus.major, &mut torus.minor]);
+        replace(of_ray(&mut ray).chain(shape), field, value)?;
+        Some((ray, torus))
     }
 }
 
@@ -708,6 +837,20 @@ pub fn run() -> Vec<Outcome> {
     );
     shapes(
         &mut all,
+        "quadric",
+        quadric::METHODS,
+        quadrics(),
+        |f, (ray, quadric)| f(ray, quadric),
+    );
+    shapes(
+        &mut all,
+        "torus",
+        torus::METHODS,
+        tori(),
+        |f, (ray, torus)| f(ray, torus),
+    );
+    shapes(
+        &mut all,
         "polygon",
         polygon::METHODS,
         polygons(),
@@ -802,7 +945,7 @@ mod tests {
             .collect();
         assert!(failures.is_empty(), "{failures:#?}");
         // Of every stage of intersection some method fails, or the cases are too easy.
-        for stage in ["sphere", "plane", "cuboid", "polygon"] {
+        for stage in ["sphere", "plane", "cuboid", "polygon", "quadric", "torus"] {
             assert!(
                 outcomes.iter().any(|one| one.stage == stage && !one.pass),
                 "{stage}"

@@ -23,8 +23,7 @@ pub fn draw(
     let strip = if unpriced.is_empty() { 0 } else { STRIP };
     let (x, y) = ranges(subject, marks, &priced);
 
-    let misses =
-        marks.iter().any(|mark| mark.costs.len() > 1) && subject.measure == Measure::Backward;
+    let misses = marks.iter().any(|mark| mark.costs.len() > 1) && subject.measure != Measure::Steps;
     let what = if misses { "a hit / a miss" } else { "a call" };
     let x_desc = format!("estimated cycles of {what} on a Cortex-M4F, {source}");
     let mut chart = ChartBuilder::on(canvas)

@@ -62,32 +62,72 @@ fn panel(canvas: &Canvas<'_>, title: &str, lines: &[&Sampled]) -> Result<(), Fai
             methods.push(&line.method);
         }
     }
+    let (left, top) = canvas.get_base_pixel();
     for (place, method) in methods.iter().enumerate() {
-        let (color, width) = match *method {
-            "regular" => (FRONT, 2),
-            it if it.starts_with("adaptive") => (OURS, 2),
-            _ => (OTHER, 1),
-        };
-        let filled = method.ends_with("everywhere") || place % 2 == 0;
-        let of = lines.iter().filter(|it| it.method == *method);
-        let points: Vec<_> = of.map(|it| (it.rays, it.error)).collect();
-        chart.draw_series(LineSeries::new(points.clone(), color.stroke_width(width)))?;
-        let inner = if filled { color } else { WHITE };
-        for &point in &points {
-            let spot = chart.backend_coord(&point);
-            let (x, y) = canvas.get_base_pixel();
-            let spot = (spot.0 - x, spot.1 - y);
-            canvas.draw(&Circle::new(spot, 4, inner.filled()))?;
-            canvas.draw(&Circle::new(spot, 4, color.stroke_width(1)))?;
+        let look = Look::of(method);
+        let of = || lines.iter().filter(|it| it.method == *method);
+        let points = of().map(|it| (it.rays, it.error));
+        chart.draw_series(LineSeries::new(points, look.color.stroke_width(look.width)))?;
+        for line in of() {
+            let (x, y) = chart.backend_coord(&(line.rays, line.error));
+            let (x, y) = (x - left, y - top);
+            look.mark(canvas, (x, y))?;
+            // Regular and adaptive ones are to be compared.
+            if !look.says {
+                continue;
+            }
+            let text = &line.setting;
+            let corner = (x - 6 - 5 * text.chars().count() as i32, y + 3);
+            canvas.draw(&Text::new(text.clone(), corner, style(10.5, &look.color)))?;
         }
-        let row = 320 - 18 * (methods.len() - place) as i32 + 80;
-        canvas.draw(&Circle::new((84, row + 7), 4, inner.filled()))?;
-        canvas.draw(&Circle::new((84, row + 7), 4, color.stroke_width(1)))?;
+        let row = 400 - 18 * (methods.len() - place) as i32;
+        look.mark(canvas, (84, row + 7))?;
         canvas.draw(&Text::new(
             (*method).to_owned(),
             (94, row),
-            style(12.5, &color),
+            style(12.5, &look.color),
         ))?;
     }
     Ok(())
+}
+
+/// How a method is drawn.
+struct Look {
+    color: RGBColor,
+    width: u32,
+    is_round: bool,
+    is_filled: bool,
+    /// Whether its settings are written.
+    says: bool,
+}
+
+impl Look {
+    fn of(method: &str) -> Self {
+        let (color, width, is_round, is_filled, says) = match method {
+            "regular" => (FRONT, 3, true, true, true),
+            "jittered everywhere" => (OTHER, 1, false, true, false),
+            "jittered once" => (OTHER, 1, false, false, false),
+            "adaptive, 4 × 4" | "adaptive, from 4 × 4" => (OURS, 3, true, true, true),
+            _ => (OURS, 1, true, false, false),
+        };
+        Self {
+            color,
+            width,
+            is_round,
+            is_filled,
+            says,
+        }
+    }
+
+    fn mark(&self, canvas: &Canvas<'_>, (x, y): (i32, i32)) -> Result<(), Failure> {
+        let inner = if self.is_filled { self.color } else { WHITE };
+        for style in [inner.filled(), self.color.stroke_width(1)] {
+            if self.is_round {
+                canvas.draw(&Circle::new((x, y), 4, style))?;
+            } else {
+                canvas.draw(&Rectangle::new([(x - 4, y - 4), (x + 4, y + 4)], style))?;
+            }
+        }
+        Ok(())
+    }
 }
