@@ -769,6 +769,67 @@ mod tests {
     }
 
     #[test]
+    fn impossible_surfaces_and_placements_are_told_in_words() {
+        let cases: [(Problem, &str); 13] = [
+            (
+                QuadricError::NotFinite.into(),
+                "quadric: the numbers, and those that follow from them, must be finite",
+            ),
+            (
+                QuadricError::NotQuadratic.into(),
+                "quadric: the squares and the products must not all be zero",
+            ),
+            (
+                QuadricError::EmptyClip.into(),
+                "quadric: the clip must hold something",
+            ),
+            (
+                QuadricError::ZeroLength.into(),
+                "quadric: the two ends must not be the same point",
+            ),
+            (
+                QuadricError::Radius.into(),
+                "quadric: a radius must be above zero",
+            ),
+            (
+                QuadricError::Waist.into(),
+                "quadric: the waist must be narrower than the ends",
+            ),
+            (
+                QuadricError::Gap.into(),
+                "quadric: the gap must be above zero and shorter than the distance of the ends",
+            ),
+            (
+                TorusError::NotFinite.into(),
+                "torus: the numbers must be finite",
+            ),
+            (
+                TorusError::ZeroAxis.into(),
+                "torus: the axis must not be zero",
+            ),
+            (
+                TorusError::Radii.into(),
+                "torus: the minor radius must be above zero and below the major one",
+            ),
+            (
+                PlacementError::NotFinite.into(),
+                "instance: the numbers of a placement must be finite",
+            ),
+            (
+                PlacementError::Singular.into(),
+                "instance: the matrix must not be flat: it cannot be undone",
+            ),
+            (
+                PlacementError::Range.into(),
+                "instance: the matrix must not stretch or shrink by more than 2^62",
+            ),
+        ];
+        for (problem, text) in cases {
+            assert_eq!(problem.to_string(), text);
+        }
+    }
+
+    #[test]
     fn equal_materials_of_different_names_are_one() {
         let file = toml::parse(
             Path::new("t.toml"),

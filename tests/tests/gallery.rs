@@ -18,7 +18,7 @@ mod pov;
 
 /// Every scene; the most pixels in which the renderer and the oracle may differ by more than a step of
 /// 255, all explained by rounding; and the least share of channels, in percent, that must lie within a
-/// step of POV-Ray's; 0 for what is not compared.
+/// step of POV-Ray's.
 const SCENES: [(&str, usize, f64); 9] = [
     ("quadrics", 10, 99.8),
     ("tori", 10, 99.8),
@@ -28,7 +28,7 @@ const SCENES: [(&str, usize, f64); 9] = [
     ("solids", 10, 99.8),
     ("patterns", 20, 99.9),
     ("tinted", 20, 98.4),
-    ("images", 200, 0.0),
+    ("images", 200, 99.8),
 ];
 
 fn folder() -> PathBuf {
@@ -95,7 +95,7 @@ fn pov_ray(name: &str, file: &SceneFile, width: u32, height: u32) -> Option<Pict
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
     let path = |extension| folder.join(format!("{name}-{width}.{extension}"));
     let (source, picture) = (path("pov"), path("ppm"));
-    std::fs::write(&source, pov::write(file).unwrap()).unwrap();
+    pov::write(file, &source).unwrap();
     let mut command = Command::new("povray");
     command.arg(format!("+I{}", source.display()));
     command.arg(format!("+O{}", picture.display()));
@@ -124,11 +124,12 @@ fn close(ours: &[u16], theirs: &[u16], steps: u16) -> f64 {
 #[test]
 fn pictures_are_those_of_pov_ray() {
     for (name, _, least) in SCENES {
-        if least == 0.0 {
-            // Its images lie on its shapes in other ways.
-            continue;
+        let (mut file, width, height) = scene(name);
+        if name == "images" {
+            // Its images lie on its tori in other ways.
+            file.objects
+                .retain(|it| !matches!(it.shape, Shape::Torus { .. }));
         }
-        let (file, width, height) = scene(name);
         let Some(theirs) = pov_ray(name, &file, width, height) else {
             return;
         };

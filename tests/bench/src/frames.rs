@@ -144,10 +144,7 @@ fn processes(
     rounds: usize,
 ) -> anyhow::Result<Vec<String>> {
     let [ours, theirs, scene] = ["ours.ppm", "theirs.ppm", "scene.pov"].map(|it| folder.join(it));
-    std::fs::write(
-        &scene,
-        pov::write(file).context("POV-Ray cannot draw this")?,
-    )?;
+    pov::write(file, &scene)?;
     let mut best = [f64::INFINITY; 3];
     let mut missing = "";
     for _ in 0..rounds {

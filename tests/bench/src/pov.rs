@@ -1,7 +1,10 @@
 //! Scenes for POV-Ray, from the same scene files.
 
 use std::fmt::Write;
+use std::io;
+use std::path::Path;
 
+use whitted_cli::scene_file::texture::{Bitmap, Texture};
 use whitted_cli::scene_file::{
     Area, Extent, Lens, Material, Pattern, Quadric, SceneFile, Shape, Solid, Step,
 };
@@ -60,8 +63,6 @@ fn pattern(it: &Pattern, clear: &str, outward: [f64; 3]) -> Option<String> {
 /// POV-Ray weighs what is scattered by what a material does not transmit, and filters by its color: nothing
 /// for another one.
 fn texture(it: &Material, outward: [f64; 3]) -> Option<String> {
-    let opacity = 1.0 - it.transmittance;
-    let weigh = |x: f64| if opacity > 0.0 { x / opacity } else { 0.0 };
     let clear = match it.filter {
         [1.0, 1.0, 1.0] => format!("transmit {}", it.transmittance),
         filter if filter == it.color => format!("filter {}", it.transmittance),
@@ -71,6 +72,13 @@ fn texture(it: &Material, outward: [f64; 3]) -> Option<String> {
         Some(it) => pattern(it, &clear, outward)?,
         None => format!("rgb {} {clear}", vector(it.color)),
     };
+    Some(finished(it, &pigment))
+}
+
+/// A texture with a pigment.
+fn finished(it: &Material, pigment: &str) -> String {
+    let opacity = 1.0 - it.transmittance;
+    let weigh = |x: f64| if opacity > 0.0 { x / opacity } else { 0.0 };
     let mut text = format!(
         "texture {{ pigment {{ {pigment} }} finish {{ ambient {} diffuse {}",
         weigh(it.ambient),
@@ -99,7 +107,97 @@ fn texture(it: &Material, outward: [f64; 3]) -> Option<String> {
         }
         text.push_str(" }");
     }
-    Some(text)
+    text
+}
+
+/// Its name, for POV-Ray to find, of a material's image.
+fn image_name(source: &Path, material: usize) -> String {
+    let image = source.with_extension(format!("{material}.ppm"));
+    image.display().to_string()
+}
+
+/// An image as a portable pixel map.
+fn pixels(of: &Bitmap) -> Vec<u8> {
+    let (width, height) = (usize::from(of.width), usize::from(of.height));
+    let mut bytes = format!("P6\n{width} {height}\n255\n").into_bytes();
+    for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
+        let texel = of.texels[column * height + row];
+        let color = of.palette.get(usize::from(texel)).copied();
+        bytes.extend(color.unwrap_or_default());
+    }
+    bytes
+}
+
+/// An opaque object that shows an image, for the shapes that POV-Ray can lay one over as we do.
+fn with_image(of: &Shape, it: &Material, image: &str) -> Option<String> {
+    let Some(Pattern::Image {
+        repeat,
+        blend,
+        texture,
+    }) = &it.pattern
+    else {
+        return None;
+    };
+    if it.transmittance > 0.0 || matches!(**texture, Texture::High(_)) {
+        return None;
+    }
+    // A copy of the image reaches from the origin along both.
+    let placed = |kind: u8, [right, up, out, origin]: [[f64; 3]; 4]| {
+        let blend = if *blend { "interpolate 2" } else { "" };
+        let rows = [
+            times(right, 1.0 / repeat[0]),
+            times(up, 1.0 / repeat[1]),
+            out,
+            origin,
+        ];
+        let rows: Vec<_> = rows
+            .as_flattened()
+            .iter()
+            .map(|x| format!("{x:e}"))
+            .collect();
+        let map = format!("image_map {{ ppm \"{image}\" gamma 1 map_type {kind} {blend} }}");
+        finished(it, &format!("{map} matrix <{}>", rows.join(",")))
+    };
+    let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    match *of {
+        // Its longitudes count from +x towards +z, ours the other way round, from -z.
+        Shape::Sphere { center, .. } if *repeat == [1.0; 2] => {
+            let axes = [times(z, -1.0), y, times(x, -1.0), center];
+            shape(of, &placed(1, axes))
+        }
+        Shape::Plane { point, normal } => {
+            let out = unit(normal);
+            let right = if out[0] == 0.0 && out[2] == 0.0 {
+                x
+            } else {
+                unit([out[2], 0.0, -out[0]])
+            };
+            shape(of, &placed(0, [right, cross(out, right), out, point]))
+        }
+        Shape::Box { min, max } => {
+            let [width, height, depth] = minus(max, min);
+            let (right, up, back) = (times(x, width), times(y, height), times(z, depth));
+            let (left, ahead) = (times(right, -1.0), times(back, -1.0));
+            let sum = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] + b[i]);
+            let faces = [
+                ([max[0], min[1], max[2]], ahead, up),
+                (min, back, up),
+                ([min[0], max[1], max[2]], right, ahead),
+                (min, right, back),
+                ([min[0], min[1], max[2]], right, up),
+                ([max[0], min[1], min[2]], left, up),
+            ];
+            let faces = faces.map(|(corner, along, across)| {
+                let (next, last) = (sum(corner, along), sum(corner, across));
+                let vertices = vec![corner, next, sum(next, across), last];
+                let out = unit(cross(along, across));
+                let texture = placed(0, [along, across, out, corner]);
+                shape(&Shape::Polygon { vertices }, &texture)
+            });
+            faces.into_iter().collect()
+        }
+        _ => None,
+    }
 }
 
 /// A normal by Newell's method.
@@ -384,9 +482,27 @@ fn area_light(area: &Area) -> String {
     format!(" area_light {a}, {b}, {samples}, {samples}{adaptive}{kind}")
 }
 
-/// A scene without images, and without glass that filters by another color than its own; negative radii are
-/// drawn from both sides.
-pub fn write(file: &SceneFile) -> Option<String> {
+/// Writes a scene, and beside it the images in it.
+///
+/// # Errors
+///
+/// Where the system has one, or POV-Ray cannot draw this: images of more colors than a palette has or on other
+/// shapes than whole spheres, planes and boxes, and glass that filters by another color than its own.
+pub fn write(file: &SceneFile, source: &Path) -> io::Result<()> {
+    for (index, material) in file.materials.iter().enumerate() {
+        if let Some(Pattern::Image { texture, .. }) = &material.pattern
+            && let Texture::Palette(bitmap) = &**texture
+        {
+            std::fs::write(image_name(source, index), pixels(bitmap))?;
+        }
+    }
+    let text = scene(file, source);
+    let text = text.ok_or_else(|| io::Error::other("POV-Ray cannot draw this"))?;
+    std::fs::write(source, text)
+}
+
+/// Negative radii are drawn from both sides.
+fn scene(file: &SceneFile, source: &Path) -> Option<String> {
     let camera = file.camera.as_ref()?;
     // Square pictures: both angles are the same.
     let (Lens::Vertical { degrees } | Lens::Both { degrees }) = camera.lens else {
@@ -421,6 +537,11 @@ pub fn write(file: &SceneFile) -> Option<String> {
     let mut open = None;
     for object in &file.objects {
         let material = &file.materials[object.material];
+        if let Some(Pattern::Image { .. }) = material.pattern {
+            let image = image_name(source, object.material);
+            let _ = writeln!(text, "{}", with_image(&object.shape, material, &image)?);
+            continue;
+        }
         let flat = !matches!(
             object.shape,
             Shape::Sphere { .. }
