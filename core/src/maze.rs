@@ -525,6 +525,10 @@ mod tests {
                 );
             }
         }
+        // To the side of the door's own cell.
+        let aside = maze.closest_hit(&first.back(Vec3::new(-0.25, 0.0, 1.0)));
+        let place = Maze::<Material>::object(12, Face::North);
+        assert_eq!(aside.map(|it| it.object), Some(place));
         // Back from the far wall: the other side of the panel, and then the near wall.
         let far = maze.closest_hit(&first.through(Vec3::X)).unwrap();
         let behind = maze.closest_hit(&far.back(Vec3::NEG_X)).unwrap();

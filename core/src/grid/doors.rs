@@ -437,6 +437,17 @@ mod tests {
     }
 
     #[test]
+    fn what_rounding_puts_beside_the_cell_meets_closed_doors_and_no_open_ones() {
+        let covers = |open, place| {
+            let (kind, across) = (1, Across::X);
+            Door { kind, across, open }.covers(place)
+        };
+        assert!(covers(0.0, -f32::EPSILON) && covers(0.0, 1.0 + f32::EPSILON));
+        assert!(!covers(1.0, 1.0) && !covers(1.0, 1.0 + f32::EPSILON));
+        assert!(!covers(0.25, -f32::EPSILON) && covers(0.25, 1.0 + f32::EPSILON));
+    }
+
+    #[test]
     fn where_panel_and_wall_meet_the_rule_of_corners_holds() {
         let panel = |face| Some((0.5, [2, 1], face));
         let wall = |z, face| Some((0.5, [2, z], face));
