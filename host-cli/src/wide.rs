@@ -85,8 +85,8 @@ use whitted::{Candidates, Departure, Exact, Finish, Geometry, Math, Ray, Side, V
 
 pub use parts::{Kinds, Slice};
 
-use across::Few;
-use beams::Beams;
+use across::{Few, PLACES};
+use beams::{Beams, Set};
 use nodes::is_regular;
 use parts::Parts;
 use rays::INVERTIBLE;
@@ -146,7 +146,7 @@ impl<'a, M: Finish> Wide<'a, M> {
         let few = all_tested
             && loose.len() == parts.planes.objects.len()
             && parts.quadrics.first == parts.len()
-            && parts.len() < 1 << 24;
+            && parts.len() < PLACES;
         Self {
             few: few.then(|| Few::new(&parts)),
             parts,
@@ -284,11 +284,14 @@ impl<M> Wide<'_, M> {
 
     /// A bit a lane: which rays may meet the object again that they leave.
     #[inline(always)]
-    fn returning<const N: usize>(&self, beams: &Beams<N>) -> u32 {
-        if beams.left == [u32::MAX; N] {
-            return 0;
-        }
-        (0..N).fold(0, |returning, lane| {
+    fn returning<const N: usize>(&self, few: &Few<'_, M>, beams: &Beams<N>) -> u32 {
+        let all = u32::MAX >> (32 - N);
+        let lanes = if few.returns_outside {
+            all
+        } else {
+            all & beams.inward
+        };
+        Set(lanes).fold(0, |returning, lane| {
             let left = beams.left[lane];
             let returns =
                 left != u32::MAX && !(self.parts).is_left_for_good(left as usize, beams.side(lane));

@@ -5,9 +5,8 @@
 //! miss are passed over (`around`).
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask};
-use whitted::material::Transmission;
 use whitted::math::Transmittance;
-use whitted::{Cuboid, Exact, Finish, Frustum, Plane, Sphere, Vec3};
+use whitted::{Cuboid, Exact, Finish, Frustum, Plane, Side, Sphere, Vec3};
 
 use super::around::{Around, Passing};
 use super::beams::{Beams, Set};
@@ -22,33 +21,125 @@ use super::{cuboid, frustum, outline, sphere};
 #[derive(Debug)]
 pub struct Few<'a, M> {
     around: Vec<Around>,
+    kernels: Vec<Kernel>,
     pub materials: Vec<&'a M>,
+    /// Whether no light goes through.
+    opaque: Vec<bool>,
+    /// Whether any object may be met again by a ray that leaves its outside.
+    pub returns_outside: bool,
 }
 
-impl<'a, M> Few<'a, M> {
+/// By which kernel rays meet an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kernel {
+    Sphere,
+    Plane,
+    Polygon,
+    Triangle,
+    Patch,
+    Cuboid,
+    Frustum,
+}
+
+impl<'a, M: Finish> Few<'a, M> {
     pub fn new(parts: &Parts<'a, M>) -> Self {
         let mut few = Self {
             around: Vec::with_capacity(parts.len()),
+            kernels: Vec::with_capacity(parts.len()),
             materials: Vec::with_capacity(parts.len()),
+            opaque: (0..parts.len()).map(|it| parts.is_opaque(it)).collect(),
+            returns_outside: (0..parts.len()).any(|it| !parts.is_left_for_good(it, Side::Outside)),
         };
         macro_rules! add {
-            ($($part:ident: $it:ident => $around:expr),*) => {$(
-                for $it in parts.$part.objects {
+            ($($part:ident, $kernel:ident, |$shape:ident| $around:expr;)*) => {$(
+                for it in parts.$part.objects {
+                    let $shape = &it.shape;
                     few.around.push($around);
-                    few.materials.push($it.material);
+                    few.kernels.push(Kernel::$kernel);
+                    few.materials.push(it.material);
                 }
             )*};
         }
-        add!(
-            spheres: it => Around::sphere(&it.shape),
-            planes: it => Around::ALL,
-            polygons: it => Around::points(it.shape.vertices),
-            triangles: it => Around::points(&it.shape.vertices),
-            patches: it => Around::points(&it.shape.vertices),
-            cuboids: it => Around::cuboid(&it.shape),
-            frusta: it => Around::ALL
-        );
+        add! {
+            spheres, Sphere, |it| Around::sphere(it);
+            planes, Plane, |_it| Around::ALL;
+            polygons, Polygon, |it| Around::outline(it.vertices);
+            triangles, Triangle, |it| Around::outline(&it.vertices);
+            patches, Patch, |it| Around::outline(&it.vertices);
+            cuboids, Cuboid, |it| Around::cuboid(it);
+            frusta, Frustum, |_it| Around::ALL;
+        }
         few
+    }
+}
+
+/// A place as a number that equals no other place's, nor itself where it is `u32::MAX`.
+#[inline(always)]
+fn number(place: u32) -> f32 {
+    // From 1 to 2, without a conversion.
+    f32::from_bits(place | 1.0_f32.to_bits())
+}
+
+/// How many places [`number`] tells apart.
+pub const PLACES: usize = 1 << 23;
+
+/// Which of few objects any of the rays may meet.
+#[derive(Clone, Debug)]
+pub struct Near {
+    /// For each object, a bit a lane.
+    lanes: Vec<u32>,
+    /// For each 32 objects, a bit an object of which there is such a lane.
+    objects: Vec<u32>,
+}
+
+impl Near {
+    /// Room for as many objects.
+    pub fn new(count: usize) -> Self {
+        Self {
+            lanes: vec![0; count],
+            objects: vec![0; count.div_ceil(32)],
+        }
+    }
+
+    /// Finds them, for the `open` lanes; `returning` is a bit a lane, whether its ray may meet the object
+    /// that it leaves.
+    ///
+    /// Before all else: in this loop, whatever lives beyond it would take the registers of its own terms.
+    #[inline(always)]
+    pub fn find<S: Simd, V: Lanes<S>, M, const N: usize>(
+        &mut self,
+        simd: S,
+        few: &Few<'_, M>,
+        beams: &Beams<N>,
+        open: u32,
+        returning: u32,
+    ) {
+        let passing = Passing::<V>::new(simd, beams.origin.load(simd), beams.direction.load(simd));
+        let leaves = beams.left != [u32::MAX; N];
+        let left = V::from_slice(simd, &beams.left.map(number));
+        let mut place = 0;
+        let arounds = few.around.chunks(32).zip(self.lanes.chunks_mut(32));
+        for (objects, (arounds, lanes)) in self.objects.iter_mut().zip(arounds) {
+            *objects = 0;
+            for (i, (around, lanes)) in arounds.iter().zip(lanes).enumerate() {
+                let mut may = !(passing.misses(simd, around).to_bitmask() as u32);
+                if leaves {
+                    let left = left.simd_eq(V::simd_from(simd, number(place)));
+                    let left = left.to_bitmask() as u32;
+                    may = may & !left | left & returning;
+                    place += 1;
+                }
+                *lanes = may & open;
+                *objects |= u32::from(*lanes != 0) << i;
+            }
+        }
+    }
+
+    /// The objects, in order.
+    #[inline(always)]
+    fn objects(&self) -> impl Iterator<Item = usize> {
+        let words = (0..).step_by(32).zip(&self.objects);
+        words.flat_map(|(first, &word)| Set(word).map(move |i| first + i))
     }
 }
 
@@ -59,9 +150,6 @@ pub struct Terms<V, M> {
     /// Places of the objects that they leave.
     left: V,
     any_left: bool,
-    /// A bit a lane: which may meet the object that they leave.
-    returning: u32,
-    pub passing: Passing<V>,
     /// Which go on inside of those.
     inward: M,
     /// Which are closest to the first axis, and which to the second.
@@ -69,6 +157,8 @@ pub struct Terms<V, M> {
     /// Origin and direction with that axis last.
     pub turned: [Vectors<V>; 2],
     pub reciprocal: Vectors<V>,
+    /// Whether any ray goes along the planes across an axis.
+    pub any_along: bool,
 }
 
 /// [`Terms`] of vectors of this type.
@@ -86,20 +176,14 @@ pub fn turn<S: Simd, V: Lanes<S>>(axes: [V::Mask; 2], v: Vectors<V>) -> Vectors<
 }
 
 impl<V: Copy, M: Copy> Terms<V, M> {
-    /// `returning` is a bit a lane: which may meet the object that they leave.
     #[inline(always)]
-    pub fn new<S: Simd, const N: usize>(
-        simd: S,
-        beams: &Beams<N>,
-        needs: Needs,
-        returning: u32,
-    ) -> Self
+    pub fn new<S: Simd, const N: usize>(simd: S, beams: &Beams<N>, needs: Needs) -> Self
     where
         V: Lanes<S, Mask = M>,
         M: SimdMask<S> + Select<V>,
     {
         let (origin, direction) = (beams.origin.load(simd), beams.direction.load::<S, V>(simd));
-        let left = beams.left.map(|it| it as f32);
+        let left = beams.left.map(number);
         let (zero, one) = (V::simd_from(simd, 0.0), V::simd_from(simd, 1.0));
         let none = Vectors {
             x: zero,
@@ -111,8 +195,10 @@ impl<V: Copy, M: Copy> Terms<V, M> {
             axes = fastest_of_each(direction);
             turned = [turn(axes, origin), turn(axes, direction)];
         }
-        let mut reciprocal = none;
+        let (mut reciprocal, mut any_along) = (none, false);
         if needs.reciprocal {
+            let along = |x: V| x.simd_eq(zero);
+            any_along = (along(direction.x) | along(direction.y) | along(direction.z)).any_true();
             reciprocal = Vectors {
                 x: one / direction.x,
                 y: one / direction.y,
@@ -122,12 +208,11 @@ impl<V: Copy, M: Copy> Terms<V, M> {
         Self {
             left: V::from_slice(simd, &left),
             any_left: beams.left != [u32::MAX; N],
-            returning,
-            passing: Passing::new(simd, origin, direction),
             inward: M::from_bitmask(simd, beams.inward.into()),
             axes,
             turned,
             reciprocal,
+            any_along,
             origin,
             direction,
         }
@@ -141,7 +226,7 @@ impl<V: Copy, M: Copy> Terms<V, M> {
         M: SimdMask<S>,
     {
         if self.any_left {
-            self.left.simd_eq(V::simd_from(simd, place as f32))
+            self.left.simd_eq(V::simd_from(simd, number(place as u32)))
         } else {
             M::splat(simd, false)
         }
@@ -154,15 +239,18 @@ pub fn regular<S: Simd, V: Lanes<S>>(
     simd: S,
     origin: Vectors<V>,
     direction: Vectors<V>,
+    needs: Needs,
 ) -> V::Mask {
     let d = direction;
     let off = (d.dot(d) - V::simd_from(simd, 1.0)).abs();
     let reach = origin.x.abs() + origin.y.abs() + origin.z.abs();
-    let (zero, least) = (V::simd_from(simd, 0.0), V::simd_from(simd, INVERTIBLE));
     let mut regular =
         off.simd_lt(V::simd_from(simd, ROUNDING)) & reach.simd_lt(V::simd_from(simd, FAR));
-    for x in [d.x, d.y, d.z] {
-        regular &= x.simd_eq(zero) | x.abs().simd_gt(least);
+    if needs.reciprocal {
+        let (zero, least) = (V::simd_from(simd, 0.0), V::simd_from(simd, INVERTIBLE));
+        for x in [d.x, d.y, d.z] {
+            regular &= x.simd_eq(zero) | x.abs().simd_gt(least);
+        }
     }
     regular
 }
@@ -298,37 +386,6 @@ pub fn object<S: Simd, V: Lanes<S>, M>(
     meeting
 }
 
-/// How many objects are looked at before the first is met.
-const AHEAD: usize = 32;
-
-impl<M> Few<'_, M> {
-    /// Which of the lanes may meet each of up to [`AHEAD`] objects from this place on, a bit a lane, and
-    /// of which objects any may, a bit an object.
-    #[inline(always)]
-    fn near<S: Simd, V: Lanes<S>, const SOLID: bool>(
-        &self,
-        simd: S,
-        place: usize,
-        count: usize,
-        terms: &Terms<V, V::Mask>,
-        open: u32,
-        lanes: &mut [u32; AHEAD],
-    ) -> u32 {
-        let mut near = 0;
-        let arounds = &self.around[place..place + count];
-        for (i, (around, lanes)) in arounds.iter().zip(lanes).enumerate() {
-            let mut may = !(terms.passing.misses::<S, SOLID>(simd, around).to_bitmask() as u32);
-            if terms.any_left {
-                let left = terms.leaves(simd, place + i).to_bitmask() as u32;
-                may = may & !left | left & terms.returning;
-            }
-            *lanes = may & open;
-            near |= u32::from(*lanes != 0) << i;
-        }
-        near
-    }
-}
-
 /// What an object's outward normal comes from.
 enum Outward<'a> {
     /// A sphere's center, and whether it is visible from inside only.
@@ -340,66 +397,68 @@ enum Outward<'a> {
     Unknown,
 }
 
-/// Evaluates `$use` with what the rays meet of each object that those `$open` do not surely miss, in order,
-/// before `$limit`.
-macro_rules! each_object {
-    ($simd:ident, $parts:ident, $few:ident, $terms:ident, $open:expr, $limit:expr,
-        |$place:ident, $it:ident, $found:ident, $outward:ident| $use:expr) => {
-        each_object!(@ true, $simd, $parts.spheres, $few, $terms, $open,
-            |$place, $it, $found, $outward| $use,
-            left => sphere($simd, &$it.shape, $terms, left, $limit),
-            Outward::Center($it.shape.center, !($it.shape.radius > 0.0)));
-        each_object!(@ true, $simd, $parts.planes, $few, $terms, $open,
-            |$place, $it, $found, $outward| $use,
-            left => plane($simd, &$it.shape, $terms, left, $limit),
-            Outward::Flat($it.shape.normal));
-        each_object!(@ false, $simd, $parts.polygons, $few, $terms, $open,
-            |$place, $it, $found, $outward| $use,
-            left => flat($simd, $it.shape.vertices, $it.shape.normal, $terms, left, $limit),
-            Outward::Flat($it.shape.normal));
-        each_object!(@ false, $simd, $parts.triangles, $few, $terms, $open,
-            |$place, $it, $found, $outward| $use,
-            left => flat($simd, &$it.shape.vertices, $it.shape.normal, $terms, left, $limit),
-            Outward::Flat($it.shape.normal));
-        each_object!(@ false, $simd, $parts.patches, $few, $terms, $open,
-            |$place, $it, $found, $outward| $use,
-            left => flat($simd, &$it.shape.vertices, $it.shape.normal, $terms, left, $limit),
-            Outward::Unknown);
-        each_object!(@ true, $simd, $parts.cuboids, $few, $terms, $open,
-            |$place, $it, $found, $outward| $use,
-            left => cuboid($simd, &$it.shape, $terms, left, $limit),
-            Outward::Faces(&$it.shape));
-        each_object!(@ true, $simd, $parts.frusta, $few, $terms, $open,
-            |$place, $it, $found, $outward| $use,
-            left => frustum($simd, &$it.shape, $terms, left, $limit),
-            Outward::Unknown);
-    };
-    (@ $solid:literal, $simd:ident, $parts:ident.$part:ident, $few:ident, $terms:ident, $open:expr,
-        |$place:ident, $it:ident, $found:ident, $outward:ident| $use:expr,
-        $left:ident => $meet:expr, $normal:expr) => {
-        for (n, objects) in $parts.$part.objects.chunks(AHEAD).enumerate() {
-            let first = $parts.$part.first + n * AHEAD;
-            let mut lanes = [0; AHEAD];
-            let near = $few.near::<S, V, $solid>(
-                $simd, first, objects.len(), $terms, $open, &mut lanes);
-            for i in Set(near) {
-                if lanes[i] & $open != 0 {
-                    let ($place, $it) = (first + i, &objects[i]);
-                    let $left = $terms.leaves($simd, $place);
-                    let $found: (Meeting<V, V::Mask>, Apart) = $meet;
-                    let $outward = $normal;
-                    $use
-                }
-            }
-        }
-    };
+/// What rays meet of one of few objects, and its normal.
+#[inline(always)]
+fn one_of_few<'a, S: Simd, V: Lanes<S>, M>(
+    simd: S,
+    parts: &Parts<'a, M>,
+    kernel: Kernel,
+    place: usize,
+    terms: &Terms<V, V::Mask>,
+    limit: V,
+) -> (Meeting<V, V::Mask>, Apart, Outward<'a>) {
+    let left = terms.leaves(simd, place);
+    macro_rules! of {
+        ($part:ident, |$it:ident| $meet:expr, $normal:expr) => {{
+            let $it = &parts.$part.objects[place - parts.$part.first].shape;
+            let (meeting, apart) = $meet;
+            (meeting, apart, $normal)
+        }};
+    }
+    match kernel {
+        Kernel::Sphere => of!(
+            spheres,
+            |it| sphere(simd, it, terms, left, limit),
+            Outward::Center(it.center, !(it.radius > 0.0))
+        ),
+        Kernel::Plane => of!(
+            planes,
+            |it| plane(simd, it, terms, left, limit),
+            Outward::Flat(it.normal)
+        ),
+        Kernel::Polygon => of!(
+            polygons,
+            |it| flat(simd, it.vertices, it.normal, terms, left, limit),
+            Outward::Flat(it.normal)
+        ),
+        Kernel::Triangle => of!(
+            triangles,
+            |it| flat(simd, &it.vertices, it.normal, terms, left, limit),
+            Outward::Flat(it.normal)
+        ),
+        Kernel::Patch => of!(
+            patches,
+            |it| flat(simd, &it.vertices, it.normal, terms, left, limit),
+            Outward::Unknown
+        ),
+        Kernel::Cuboid => of!(
+            cuboids,
+            |it| cuboid(simd, it, terms, left, limit),
+            Outward::Faces(it)
+        ),
+        Kernel::Frustum => of!(
+            frusta,
+            |it| frustum(simd, it, terms, left, limit),
+            Outward::Unknown
+        ),
+    }
 }
 
 /// The nearest hits of rays.
 pub struct Nearest<V> {
     /// Distances; where nothing is met, what the limit was.
     pub t: V,
-    /// Places.
+    /// Places, in the last bits: see [`PLACES`].
     pub object: V,
     /// Outward normals.
     pub outward: Vectors<V>,
@@ -407,15 +466,15 @@ pub struct Nearest<V> {
     pub unknown: u32,
 }
 
-/// The nearest hit of each ray of a set before its limit.
+/// The nearest hit of each ray before its limit.
 #[inline(always)]
 pub fn nearest<S: Simd, V: Lanes<S>, M, const N: usize>(
     simd: S,
     parts: &Parts<'_, M>,
     few: &Few<'_, M>,
+    near: &Near,
     terms: &Terms<V, V::Mask>,
     beams: &Beams<N>,
-    set: u32,
     limit: V,
 ) -> Nearest<V> {
     let zero = V::simd_from(simd, 0.0);
@@ -427,59 +486,51 @@ pub fn nearest<S: Simd, V: Lanes<S>, M, const N: usize>(
     };
     // Of spheres, the center stands for the normal.
     let (mut round, mut hollow, mut unknown) = (0_u32, 0_u32, 0_u32);
-    each_object!(
-        simd,
-        parts,
-        few,
-        terms,
-        set,
-        t,
-        |place, it, found, normal| {
-            let (meeting, mut apart) = found;
-            if apart != 0 {
-                // Behind all before it, as it is in order.
-                let mut ts = [0.0; N];
-                t.store_slice(&mut ts);
-                let mut nearer = 0;
-                for lane in Set(apart) {
-                    let ray = beams.ray(lane);
-                    match parts.intersect::<Exact>(&ray, place, 0) {
-                        Some(at) if at < ts[lane] => {
-                            ts[lane] = at;
-                            nearer |= 1 << lane;
-                        }
-                        _ => {}
+    for place in near.objects() {
+        let (meeting, mut apart, normal) =
+            one_of_few(simd, parts, few.kernels[place], place, terms, t);
+        if apart != 0 {
+            // Behind all before it, as it is in order.
+            let mut ts = [0.0; N];
+            t.store_slice(&mut ts);
+            let mut nearer = 0;
+            for lane in Set(apart) {
+                let ray = beams.ray(lane);
+                match parts.intersect::<Exact>(&ray, place, 0) {
+                    Some(at) if at < ts[lane] => {
+                        ts[lane] = at;
+                        nearer |= 1 << lane;
                     }
-                }
-                apart = nearer;
-                t = V::from_slice(simd, &ts);
-            }
-            let met = meeting.met.to_bitmask() as u32;
-            if met | apart != 0 {
-                t = meeting.met.select(meeting.t, t);
-                let changed = V::Mask::from_bitmask(simd, (met | apart).into());
-                object = changed.select(V::simd_from(simd, place as f32), object);
-                let kept = !(met | apart);
-                (round, hollow, unknown) = (round & kept, hollow & kept, unknown & kept | apart);
-                match normal {
-                    Outward::Center(center, inside) => {
-                        outward = mask_of(meeting.met, Vectors::splat(simd, center), outward);
-                        round |= met;
-                        hollow |= if inside { met } else { 0 };
-                    }
-                    Outward::Flat(normal) => {
-                        outward = mask_of(meeting.met, Vectors::splat(simd, normal), outward);
-                    }
-                    Outward::Faces(cuboid) => {
-                        let normals = cuboid::normals(simd, cuboid, terms, meeting.t);
-                        outward = mask_of(meeting.met, normals, outward);
-                    }
-                    Outward::Unknown => unknown |= met,
+                    _ => {}
                 }
             }
-            let _ = it;
+            apart = nearer;
+            t = V::from_slice(simd, &ts);
         }
-    );
+        let met = meeting.met.to_bitmask() as u32;
+        let all = met | apart;
+        if all == 0 {
+            continue;
+        }
+        t = meeting.met.select(meeting.t, t);
+        let number = V::simd_from(simd, number(place as u32));
+        object = V::Mask::from_bitmask(simd, all.into()).select(number, object);
+        (round, hollow, unknown) = (round & !all, hollow & !all, unknown & !all | apart);
+        let normals = match normal {
+            Outward::Center(center, inside) => {
+                round |= met;
+                hollow |= if inside { met } else { 0 };
+                Vectors::splat(simd, center)
+            }
+            Outward::Flat(normal) => Vectors::splat(simd, normal),
+            Outward::Faces(cuboid) => cuboid::normals(simd, cuboid, terms, meeting.t),
+            Outward::Unknown => {
+                unknown |= met;
+                continue;
+            }
+        };
+        outward = mask_of(meeting.met, normals, outward);
+    }
     if round != 0 {
         let point = terms.origin + terms.direction * t;
         let unit = away(simd, point, outward, hollow);
@@ -513,6 +564,7 @@ pub fn transmittance<S: Simd, V: Lanes<S>, M: Finish, const N: usize>(
     simd: S,
     parts: &Parts<'_, M>,
     few: &Few<'_, M>,
+    near: &Near,
     terms: &Terms<V, V::Mask>,
     beams: &Beams<N>,
     set: u32,
@@ -523,53 +575,42 @@ pub fn transmittance<S: Simd, V: Lanes<S>, M: Finish, const N: usize>(
     let dark = V::simd_from(simd, f32::NEG_INFINITY);
     let ends = V::from_slice(simd, &beams.end);
     let mut limit = V::Mask::from_bitmask(simd, open.into()).select(ends, dark);
-    'all: {
-        each_object!(
-            simd,
-            parts,
-            few,
-            terms,
-            open,
-            limit,
-            |place, it, found, _normal| {
-                let (meeting, apart) = found;
-                let mut met = meeting.met.to_bitmask() as u32;
-                let before = open;
-                // Also true for NaN.
-                if !(it.material.transmission().transmittance() > 0.0) {
-                    open &= !met;
-                    met = 0;
-                }
-                for lane in Set(met & open) {
-                    let ray = beams.ray(lane);
-                    dimmed |= 1 << lane;
-                    if parts.absorbs_met::<Exact, _>(&ray, place, 0, &mut light[lane]) {
-                        open &= !(1 << lane);
-                    }
-                }
-                for lane in Set(apart & open) {
-                    let ray = beams.ray(lane);
-                    dimmed |= 1 << lane;
-                    if parts.absorbs::<Exact, _>(&ray, place, 0, &mut light[lane]) {
-                        open &= !(1 << lane);
-                    }
-                }
-                if open == 0 {
-                    break 'all;
-                }
-                if open != before {
-                    limit = V::Mask::from_bitmask(simd, open.into()).select(limit, dark);
-                }
+    for place in near.objects() {
+        if near.lanes[place] & open == 0 {
+            continue;
+        }
+        let (meeting, apart, _) = one_of_few(simd, parts, few.kernels[place], place, terms, limit);
+        let mut met = meeting.met.to_bitmask() as u32;
+        let before = open;
+        if few.opaque[place] {
+            open &= !met;
+            met = 0;
+        }
+        for lane in Set(met & open) {
+            let ray = beams.ray(lane);
+            dimmed |= 1 << lane;
+            if parts.absorbs_met::<Exact, _>(&ray, place, 0, &mut light[lane]) {
+                open &= !(1 << lane);
             }
-        );
+        }
+        for lane in Set(apart & open) {
+            let ray = beams.ray(lane);
+            dimmed |= 1 << lane;
+            if parts.absorbs::<Exact, _>(&ray, place, 0, &mut light[lane]) {
+                open &= !(1 << lane);
+            }
+        }
+        if open == 0 {
+            break;
+        }
+        if open != before {
+            limit = V::Mask::from_bitmask(simd, open.into()).select(limit, dark);
+        }
     }
-    for lane in Set(set) {
-        passed[lane] = if open >> lane & 1 == 0 {
-            0.0
-        } else if dimmed >> lane & 1 != 0 {
-            light[lane].product()
-        } else {
-            1.0
-        };
+    let open = V::Mask::from_bitmask(simd, open.into());
+    let (one, none) = (V::simd_from(simd, 1.0), V::simd_from(simd, 0.0));
+    open.select(one, none).store_slice(passed);
+    for lane in Set(dimmed & open.to_bitmask() as u32) {
+        passed[lane] = light[lane].product();
     }
 }

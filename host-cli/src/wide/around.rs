@@ -32,6 +32,8 @@ pub struct Around {
     center: Vec3,
     /// `c.c - R^2`, less the margin.
     power: f32,
+    /// Zero; of an outline, of which only the ray's line is certain, minus infinity.
+    least: f32,
 }
 
 /// What rays, one a lane, compute once to meet all spheres.
@@ -51,6 +53,7 @@ impl Around {
     pub const ALL: Self = Self {
         center: Vec3::ZERO,
         power: f32::NEG_INFINITY,
+        least: 0.0,
     };
 
     pub fn sphere(sphere: &Sphere) -> Self {
@@ -61,7 +64,14 @@ impl Around {
         Self::points(&[cuboid.min, cuboid.max])
     }
 
-    pub fn points(points: &[Vec3]) -> Self {
+    pub fn outline(vertices: &[Vec3]) -> Self {
+        Self {
+            least: f32::NEG_INFINITY,
+            ..Self::points(vertices)
+        }
+    }
+
+    fn points(points: &[Vec3]) -> Self {
         let Some(&first) = points.first() else {
             return Self::ALL;
         };
@@ -88,6 +98,7 @@ impl Around {
         Self {
             center,
             power: power as f32,
+            least: 0.0,
         }
     }
 }
@@ -107,9 +118,9 @@ impl<V: Copy> Passing<V> {
         }
     }
 
-    /// Which rays surely miss an object; `SOLID`, if it is not an outline.
+    /// Which rays surely miss an object.
     #[inline(always)]
-    pub fn misses<S: Simd, const SOLID: bool>(&self, simd: S, around: &Around) -> V::Mask
+    pub fn misses<S: Simd>(&self, simd: S, around: &Around) -> V::Mask
     where
         V: Lanes<S>,
     {
@@ -120,11 +131,7 @@ impl<V: Copy> Passing<V> {
         let square = self.square + V::simd_from(simd, around.power);
         let power =
             c.x.mul_add(from.x, c.y.mul_add(from.y, c.z.mul_add(from.z, square)));
-        let b = if SOLID {
-            b.max(V::simd_from(simd, 0.0))
-        } else {
-            b
-        };
+        let b = b.max(V::simd_from(simd, around.least));
         (b * b).simd_lt(power)
     }
 }

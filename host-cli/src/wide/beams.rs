@@ -1,9 +1,12 @@
 //! As many rays as a vector has lanes, a row a number.
 
-use fearless_simd::{Simd, SimdBase, SimdInterleaved, f32x4};
+use core::hint::black_box;
+
+use fearless_simd::{Simd, SimdBase, SimdFrom, f32x4};
 use whitted::{Departure, Ray, Side, Vec3};
 
 use super::lanes::{Lanes, Vectors};
+use super::tree::{Tree, Vector};
 
 /// A vector a lane, a coordinate a row.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +67,10 @@ impl<const N: usize> Beams<N> {
     /// Takes up to `N` rays, and says which lanes have one. Rays that leave none of the `len` objects leave
     /// none.
     #[inline(always)]
-    pub fn take<S: Simd, V: Lanes<S>>(&mut self, simd: S, rays: &[Ray], len: usize) -> u32 {
+    pub fn take<S: Simd>(&mut self, simd: S, rays: &[Ray], len: usize) -> u32
+    where
+        Tree<N>: Vector<S>,
+    {
         let padded;
         let all: &[Ray; N] = match rays.first_chunk() {
             Some(all) => all,
@@ -73,36 +79,37 @@ impl<const N: usize> Beams<N> {
                 &padded
             }
         };
-        // Numbers that lie together go together, by four; rows become whole before they are stored, as
-        // number by number they could not be loaded before the last had arrived.
-        let mut rows = [[0.0; N]; 7];
-        for (four, rays) in all.as_chunks::<4>().0.iter().enumerate() {
-            let place = 4 * four..4 * four + 4;
-            let [x, y, z, dx] = columns(simd, rays, |ray| {
+        // Numbers that lie together go together, by four; rows become whole before they are stored: in
+        // parts, they could not be loaded before the last had arrived.
+        let (fours, _) = all.as_chunks::<4>();
+        let starts: [_; 4] = core::array::from_fn(|i| {
+            columns(simd, &fours[i % fours.len()], |ray| {
                 let (o, d) = (ray.origin, ray.direction);
                 [o.x, o.y, o.z, d.x]
-            });
-            let [_, dy, dz, end] = columns(simd, rays, |ray| {
+            })
+        });
+        let ends: [_; 4] = core::array::from_fn(|i| {
+            columns(simd, &fours[i % fours.len()], |ray| {
                 let d = ray.direction;
                 [d.x, d.y, d.z, ray.t_max]
-            });
-            for (row, four) in rows.iter_mut().zip([x, y, z, dx, dy, dz, end]) {
-                four.store_slice(&mut row[place.clone()]);
-            }
-        }
-        let [x, y, z, dx, dy, dz, end] = rows.map(|row| V::from_slice(simd, &row));
-        self.origin.store(Vectors { x, y, z });
-        self.direction.store(Vectors {
-            x: dx,
-            y: dy,
-            z: dz,
+            })
         });
-        end.store_slice(&mut self.end);
+        let start = |number: usize| Tree::<N>::join(starts.map(|it| it[number]));
+        let end = |number: usize| Tree::<N>::join(ends.map(|it| it[number]));
+        self.origin.store(Vectors {
+            x: start(0),
+            y: start(1),
+            z: start(2),
+        });
+        self.direction.store(Vectors {
+            x: start(3),
+            y: end(1),
+            z: end(2),
+        });
+        end(3).store_slice(&mut self.end);
         self.left = [u32::MAX; N];
         self.inward = 0;
-        let leaves = all
-            .iter()
-            .fold(false, |any, ray| any | ray.departure.is_some());
+        let leaves = (all.iter()).fold(false, |any, ray| any | ray.departure.is_some());
         if leaves {
             for (lane, ray) in all.iter().enumerate() {
                 if let Some(departure) = ray.departure
@@ -145,9 +152,18 @@ impl<const N: usize> Beams<N> {
 /// Four numbers of each of four rays, a number a vector.
 #[inline(always)]
 fn columns<S: Simd>(simd: S, rays: &[Ray; 4], numbers: impl Fn(&Ray) -> [f32; 4]) -> [f32x4<S>; 4] {
+    // The compiler would rather shuffle all rays at once, in as many steps as that takes.
+    let four = |ray: &Ray| black_box(f32x4::simd_from(simd, numbers(ray)));
     let [a, b, c, d] = rays;
-    let rows = [numbers(a), numbers(b), numbers(c), numbers(d)];
-    f32x4::load_four_interleaved(simd, rows.as_flattened())
+    let (a, b, c, d) = (four(a), four(b), four(c), four(d));
+    let (even, odd) = (a.zip_low(c), b.zip_low(d));
+    let (last_even, last_odd) = (a.zip_high(c), b.zip_high(d));
+    [
+        even.zip_low(odd),
+        even.zip_high(odd),
+        last_even.zip_low(last_odd),
+        last_even.zip_high(last_odd),
+    ]
 }
 
 /// The lanes of a set, the least first.

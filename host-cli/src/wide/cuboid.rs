@@ -40,7 +40,6 @@ impl<const N: usize> Cuboids<N> {
         terms: &RayTerms<'_>,
         limit: f32,
     ) -> Meeting<V, V::Mask> {
-        let zero = V::simd_from(simd, 0.0);
         let (o, d, r) = (terms.ray.origin, terms.ray.direction, terms.reciprocal);
         let [x, y, z] = &self.bounds;
         let mut inside = Inside::<V, V::Mask> {
@@ -57,11 +56,7 @@ impl<const N: usize> Cuboids<N> {
             between,
         } = inside;
         let met = between & entry.simd_le(exit);
-        let t = entry.simd_gt(zero).select(entry, exit);
-        Meeting {
-            t,
-            met: met & t.simd_gt(zero) & t.simd_lt(V::simd_from(simd, limit)),
-        }
+        within(simd, entry, exit, met, V::simd_from(simd, limit))
     }
 }
 
@@ -144,6 +139,19 @@ pub fn meet_rays<S: Simd, V: Lanes<S>>(
     let (o, d, r) = (terms.origin, terms.direction, terms.reciprocal);
     let min = Vectors::<V>::splat(simd, shape.min);
     let max = Vectors::<V>::splat(simd, shape.max);
+    if !terms.any_along {
+        // Rounding is monotonic: what comes first is the lesser product.
+        let (to_min, to_max) = ((min - o) * r, (max - o) * r);
+        let near = |a: V, b: V| a.min(b);
+        let far = |a: V, b: V| a.max(b);
+        entry = near(to_min.x, to_max.x)
+            .max(near(to_min.y, to_max.y))
+            .max(near(to_min.z, to_max.z));
+        exit = far(to_min.x, to_max.x)
+            .min(far(to_min.y, to_max.y))
+            .min(far(to_min.z, to_max.z));
+        return within(simd, entry, exit, entry.simd_le(exit), limit);
+    }
     for (o, d, r, min, max) in [
         (o.x, d.x, r.x, min.x, max.x),
         (o.y, d.y, r.y, min.y, max.y),
@@ -157,10 +165,23 @@ pub fn meet_rays<S: Simd, V: Lanes<S>>(
         exit = (far.simd_lt(exit) & !along).select(far, exit);
         met &= !along | (to_min.simd_le(zero) & to_max.simd_ge(zero));
     }
+    within(simd, entry, exit, met & entry.simd_le(exit), limit)
+}
+
+/// The first of the points at which a ray enters and leaves that lies between its ends.
+#[inline(always)]
+fn within<S: Simd, V: Lanes<S>>(
+    simd: S,
+    entry: V,
+    exit: V,
+    met: V::Mask,
+    limit: V,
+) -> Meeting<V, V::Mask> {
+    let zero = V::simd_from(simd, 0.0);
     let t = entry.simd_gt(zero).select(entry, exit);
     Meeting {
         t,
-        met: met & entry.simd_le(exit) & t.simd_gt(zero) & t.simd_lt(limit),
+        met: met & t.simd_gt(zero) & t.simd_lt(limit),
     }
 }
 

@@ -13,7 +13,7 @@ use whitted::math::{self, Transmittance};
 use whitted::{Candidates, Counters, Exact, Geometry, Hit, Light, LightSource, Ray, Vec3, View};
 
 use super::Wide;
-use super::across::{self, Terms};
+use super::across::{self, Near, Terms};
 use super::beams::{Beams, Rows, Set};
 use super::blocks::Kind;
 use super::lanes::{Lanes, Vectors, mask_of};
@@ -83,7 +83,7 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
 {
     let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
     for (first, rays) in (0..).step_by(N).zip(rays.chunks(N)) {
-        let active = group.beams.take::<S, V>(simd, rays, geometry.len());
+        let active = group.beams.take(simd, rays, geometry.len());
         let hit = group.nearest(simd, active, false);
         if hit == 0 {
             continue;
@@ -129,7 +129,7 @@ fn each_transmittance<S: Simd, V: Lanes<S>, const N: usize>(
     let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
     let mut occluder = u32::MAX;
     for (rays, to) in rays.chunks(N).zip(passed.chunks_mut(N)) {
-        let active = group.shadows.take::<S, V>(simd, rays, geometry.len());
+        let active = group.shadows.take(simd, rays, geometry.len());
         let mut passed = [0.0; N];
         group.cast_shadows(simd, active, false, &mut occluder, &mut passed);
         to.copy_from_slice(&passed[..to.len()]);
@@ -244,6 +244,8 @@ struct Group<'a, L, const N: usize> {
     hits: Hits<'a, N>,
     /// Towards one light.
     shadows: Beams<N>,
+    /// Of few objects, which to look at.
+    near: Near,
     /// For each light an object that was seen to hide it; `u32::MAX` for none.
     occluders: Vec<u32>,
 }
@@ -277,6 +279,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 ior: [1.0; N],
             },
             shadows: Beams::NONE,
+            near: Near::new(job.geometry.few.as_ref().map_or(0, |it| it.materials.len())),
             occluders: vec![u32::MAX; job.lights.len()],
         }
     }
@@ -354,17 +357,19 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             self.beams.origin.load::<S, V>(simd),
             self.beams.direction.load(simd),
         );
-        let regular = across::regular(simd, origin, direction).to_bitmask() as u32;
+        let regular =
+            across::regular(simd, origin, direction, self.tree.needs()).to_bitmask() as u32;
         let hits = &mut self.hits;
         if let Some(few) = &geometry.few
             && active & !regular == 0
         {
-            let needs = self.tree.needs();
-            let terms = Terms::new(simd, &self.beams, needs, geometry.returning(&self.beams));
+            let returning = geometry.returning(few, &self.beams);
+            (self.near).find::<S, V, _, N>(simd, few, &self.beams, active, returning);
+            let terms = Terms::new(simd, &self.beams, self.tree.needs());
             let ends = V::from_slice(simd, &self.beams.end);
             let limit = V::Mask::from_bitmask(simd, active.into())
                 .select(ends, V::simd_from(simd, f32::NEG_INFINITY));
-            let found = across::nearest(simd, parts, few, &terms, &self.beams, active, limit);
+            let found = across::nearest(simd, parts, few, &self.near, &terms, &self.beams, limit);
             let hit = active & found.t.simd_lt(ends).to_bitmask() as u32;
             if hit == 0 {
                 return 0;
@@ -372,7 +377,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             found.t.store_slice(&mut hits.t);
             let mut places = [0.0; N];
             found.object.store_slice(&mut places);
-            hits.object = places.map(|it| it as u32);
+            hits.object = places.map(|it| it.to_bits() % across::PLACES as u32);
             hits.outward.store(found.outward);
             for lane in Set(hit) {
                 hits.material[lane] = few.materials.get(hits.object[lane] as usize).copied();
@@ -490,11 +495,9 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let outward = hits.outward.load(simd);
         let front = outward.dot(direction).simd_le(V::simd_from(simd, 0.0));
         let normal = mask_of(front, outward, -outward);
-        let twice = V::simd_from(simd, 2.0) * direction.dot(normal);
         hits.point.store(point);
         hits.normal.store(normal);
         hits.front = front.to_bitmask() as u32;
-        hits.mirrored.store(direction - normal * twice);
     }
 
     /// Copies what surfaces are made of.
@@ -532,6 +535,12 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
     {
         let job = self.job;
         let mut occluders = core::mem::take(&mut self.occluders);
+        let (view, normal) = (
+            self.beams.direction.load::<S, V>(simd),
+            self.hits.normal.load(simd),
+        );
+        let twice = V::simd_from(simd, 2.0) * view.dot(normal);
+        self.hits.mirrored.store(view - normal * twice);
         let (zero, one) = (V::simd_from(simd, 0.0), V::simd_from(simd, 1.0));
         let throughput = V::from_slice(simd, &self.throughput);
         let color = self.hits.color.load::<S, V>(simd);
@@ -598,7 +607,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
     /// are larger than a group of pixels.
     #[inline(always)]
     fn cast_shadows<S: Simd, V: Lanes<S>>(
-        &self,
+        &mut self,
         simd: S,
         mut lit: u32,
         together: bool,
@@ -611,13 +620,15 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let parts = &geometry.parts;
         let beams = &self.shadows;
         let (origin, direction) = (beams.origin.load::<S, V>(simd), beams.direction.load(simd));
-        let regular = across::regular(simd, origin, direction).to_bitmask() as u32;
-        let needs = self.tree.needs();
+        let regular =
+            across::regular(simd, origin, direction, self.tree.needs()).to_bitmask() as u32;
         if let Some(few) = &geometry.few
             && lit & !regular == 0
         {
-            let terms = Terms::<V, _>::new(simd, beams, needs, geometry.returning(beams));
-            across::transmittance(simd, parts, few, &terms, beams, lit, passed);
+            let returning = geometry.returning(few, beams);
+            (self.near).find::<S, V, _, N>(simd, few, beams, lit, returning);
+            let terms = Terms::<V, _>::new(simd, beams, self.tree.needs());
+            across::transmittance(simd, parts, few, &self.near, &terms, beams, lit, passed);
             return;
         }
         let kind = (*occluder != u32::MAX).then(|| parts.kind(*occluder as usize));
@@ -625,7 +636,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             && kind != Kind::Other
             && lit & !regular == 0
         {
-            let terms = Terms::<V, _>::new(simd, beams, needs, 0);
+            let terms = Terms::<V, _>::new(simd, beams, self.tree.needs());
             let ends = V::from_slice(simd, &beams.end);
             let meeting = across::object(simd, parts, kind, *occluder as usize, &terms, ends);
             let dark = meeting.met.to_bitmask() as u32 & lit;

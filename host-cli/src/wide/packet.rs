@@ -281,7 +281,7 @@ impl<const N: usize> Tree<N> {
         let Some(bundle) = bundle else {
             return false;
         };
-        let terms = Terms::<Of<S, Self>, _>::new(simd, packet.beams, self.needs(), 0);
+        let terms = Terms::<Of<S, Self>, _>::new(simd, packet.beams, self.needs());
         // In memory, as the terms of a single ray.
         let terms = black_box(&terms);
         let mut farthest = Of::<S, Self>::from_slice(simd, limits).reduce_max();

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use fearless_simd::{Simd, SimdBase, f32x8, f32x16};
+use fearless_simd::{Simd, SimdBase, SimdCombine, f32x4, f32x8, f32x16};
 use heapless::Vec as Stack;
 use whitted::{Finish, Ray};
 
@@ -28,14 +28,27 @@ pub const LEAF: usize = 8;
 pub trait Vector<S: Simd> {
     /// The vector.
     type Lanes: Lanes<S>;
+
+    /// A vector of parts; as many as it has.
+    fn join(fours: [f32x4<S>; 4]) -> Self::Lanes;
 }
 
 impl<S: Simd> Vector<S> for Tree<8> {
     type Lanes = f32x8<S>;
+
+    #[inline(always)]
+    fn join([a, b, ..]: [f32x4<S>; 4]) -> Self::Lanes {
+        a.combine(b)
+    }
 }
 
 impl<S: Simd> Vector<S> for Tree<16> {
     type Lanes = f32x16<S>;
+
+    #[inline(always)]
+    fn join([a, b, c, d]: [f32x4<S>; 4]) -> Self::Lanes {
+        a.combine(b).combine(c.combine(d))
+    }
 }
 
 /// The vector of as many lanes as a tree's nodes have children.
