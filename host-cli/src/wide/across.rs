@@ -101,8 +101,8 @@ impl Near {
         }
     }
 
-    /// Finds them, for the `open` lanes; `returning` is a bit a lane, whether its ray may meet the object
-    /// that it leaves.
+    /// Finds them, for the `open` lanes, and says whether there are any; `returning` is a bit a lane, whether
+    /// its ray may meet the object that it leaves.
     ///
     /// Before all else: in this loop, whatever lives beyond it would take the registers of its own terms.
     #[inline(always)]
@@ -113,14 +113,14 @@ impl Near {
         beams: &Beams<N>,
         open: u32,
         returning: u32,
-    ) {
+    ) -> bool {
         let passing = Passing::<V>::new(simd, beams.origin.load(simd), beams.direction.load(simd));
         let leaves = beams.left != [u32::MAX; N];
         let left = V::from_slice(simd, &beams.left.map(number));
-        let mut place = 0;
+        let (mut place, mut found) = (0, 0);
         let arounds = few.around.chunks(32).zip(self.lanes.chunks_mut(32));
         for (objects, (arounds, lanes)) in self.objects.iter_mut().zip(arounds) {
-            *objects = 0;
+            let mut any = 0;
             for (i, (around, lanes)) in arounds.iter().zip(lanes).enumerate() {
                 let mut may = !(passing.misses(simd, around).to_bitmask() as u32);
                 if leaves {
@@ -130,9 +130,12 @@ impl Near {
                     place += 1;
                 }
                 *lanes = may & open;
-                *objects |= u32::from(*lanes != 0) << i;
+                any |= u32::from(*lanes != 0) << i;
             }
+            *objects = any;
+            found |= any;
         }
+        found != 0
     }
 
     /// The objects, in order.
@@ -568,8 +571,7 @@ pub fn transmittance<S: Simd, V: Lanes<S>, M: Finish, const N: usize>(
     terms: &Terms<V, V::Mask>,
     beams: &Beams<N>,
     set: u32,
-    passed: &mut [f32; N],
-) {
+) -> [f32; N] {
     let mut light = [Transmittance::default(); N];
     let (mut open, mut dimmed) = (set, 0);
     let dark = V::simd_from(simd, f32::NEG_INFINITY);
@@ -609,8 +611,10 @@ pub fn transmittance<S: Simd, V: Lanes<S>, M: Finish, const N: usize>(
     }
     let open = V::Mask::from_bitmask(simd, open.into());
     let (one, none) = (V::simd_from(simd, 1.0), V::simd_from(simd, 0.0));
-    open.select(one, none).store_slice(passed);
+    let mut passed = [0.0; N];
+    open.select(one, none).store_slice(&mut passed);
     for lane in Set(dimmed & open.to_bitmask() as u32) {
         passed[lane] = light[lane].product();
     }
+    passed
 }

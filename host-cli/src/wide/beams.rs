@@ -112,14 +112,18 @@ impl<const N: usize> Beams<N> {
         let leaves = (all.iter()).fold(false, |any, ray| any | ray.departure.is_some());
         if leaves {
             for (lane, ray) in all.iter().enumerate() {
-                if let Some(departure) = ray.departure
-                    && departure.object < len
-                {
-                    self.left[lane] = departure.object as u32;
-                    self.inward |= u32::from(departure.side == Side::Inside) << lane;
-                }
+                // No branch: some rays leave an object, and some do not.
+                let (object, inward) = match ray.departure {
+                    Some(departure) => (departure.object, departure.side == Side::Inside),
+                    None => (usize::MAX, false),
+                };
+                let known = object < len;
+                self.left[lane] = if known { object as u32 } else { u32::MAX };
+                self.inward |= u32::from(inward & known) << lane;
             }
         }
+        // Rows are to be loaded as they are: number by number, the compiler would carry all of them along.
+        black_box(self);
         u32::MAX >> (32 - rays.len().min(N))
     }
 

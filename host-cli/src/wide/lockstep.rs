@@ -364,7 +364,9 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             && active & !regular == 0
         {
             let returning = geometry.returning(few, &self.beams);
-            (self.near).find::<S, V, _, N>(simd, few, &self.beams, active, returning);
+            if !(self.near).find::<S, V, _, N>(simd, few, &self.beams, active, returning) {
+                return 0;
+            }
             let terms = Terms::new(simd, &self.beams, self.tree.needs());
             let ends = V::from_slice(simd, &self.beams.end);
             let limit = V::Mask::from_bitmask(simd, active.into())
@@ -626,9 +628,12 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             && lit & !regular == 0
         {
             let returning = geometry.returning(few, beams);
-            (self.near).find::<S, V, _, N>(simd, few, beams, lit, returning);
+            if !(self.near).find::<S, V, _, N>(simd, few, beams, lit, returning) {
+                *passed = [1.0; N];
+                return;
+            }
             let terms = Terms::<V, _>::new(simd, beams, self.tree.needs());
-            across::transmittance(simd, parts, few, &self.near, &terms, beams, lit, passed);
+            *passed = across::transmittance(simd, parts, few, &self.near, &terms, beams, lit);
             return;
         }
         let kind = (*occluder != u32::MAX).then(|| parts.kind(*occluder as usize));
