@@ -36,7 +36,7 @@ fn the_methods_in_use_are_on_the_front() {
     assert_eq!(unpriced, [""; 0], "cycles.csv lacks their prices");
     assert!(behind.is_empty(), "{behind:#?}");
 
-    // And it would tell: for a tenth of what any other method costs, that one is in front.
+    // And it would tell: for a hundredth of what any other method costs, that one is in front.
     for subject in SUBJECTS {
         let mut prices = committed();
         let marks = results.marks(subject);
@@ -51,7 +51,7 @@ fn the_methods_in_use_are_on_the_front() {
         };
         for price in &mut prices {
             if price.stage == subject.stage && price.method == rival.method {
-                price.cycles = price.cycles.map(|cycles| cycles * 0.1);
+                price.cycles = price.cycles.map(|cycles| cycles * 0.01);
             }
         }
         let (behind, _) = complaints(&mut results, prices);
