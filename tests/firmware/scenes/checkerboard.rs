@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use whitted::math::{Math, Passage};
-use whitted::{Candidates, Finish, Geometry, Object, Plane, Ray};
+use whitted::{Candidates, Finish, Geometry, Object, Plane, Ray, Shape};
 
 /// A horizontal plane with square tiles of unit size, opaque.
 pub struct Checkerboard<'a, M> {
@@ -32,7 +32,12 @@ impl<M> Geometry for Checkerboard<'_, M> {
 
     #[inline(always)]
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize> {
-        self.tiles.as_slice().nearest::<P>(ray, first, among)
+        let _ = among;
+        let [tiles] = &self.tiles;
+        ray.t_max = tiles
+            .shape
+            .intersect::<P>(ray, &Plane::setup(ray), ray.leaves(first))?;
+        Some(first)
     }
 
     #[inline(always)]
@@ -56,7 +61,12 @@ impl<M> Geometry for Checkerboard<'_, M> {
 
     #[inline(always)]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
-        self.tiles.as_slice().blocks::<P>(ray, first, among)
+        let _ = among;
+        let [tiles] = &self.tiles;
+        tiles
+            .shape
+            .intersect::<P>(ray, &Plane::setup(ray), ray.leaves(first))
+            .is_some()
     }
 
     #[inline(always)]
@@ -70,8 +80,7 @@ impl<M> Geometry for Checkerboard<'_, M> {
     where
         M: Finish,
     {
-        self.tiles
-            .as_slice()
-            .absorbs::<P, L>(ray, first, among, light)
+        let _ = light;
+        self.blocks::<P>(ray, first, among)
     }
 }
