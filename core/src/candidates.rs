@@ -12,10 +12,10 @@
 use glam::Vec3;
 
 use crate::camera::Rays;
-use crate::geometry::{Geometry, Object, any_absorbs, any_blocks, nearest_of};
+use crate::geometry::{Geometry, Object};
 use crate::material::Finish;
 use crate::math::{self, Exact, Math, Passage, dot, length_squared};
-use crate::ray::Ray;
+use crate::ray::{Departure, Ray, Side};
 use crate::scene::{Light, LightSource};
 use crate::shape::Shape;
 use crate::shape::sphere::Sphere;
@@ -49,6 +49,12 @@ impl Candidates {
         } else {
             self
         }
+    }
+
+    /// What is among both.
+    #[inline(always)]
+    pub(crate) const fn and(self, others: Self) -> Self {
+        Self(self.0 & others.0)
     }
 
     /// Whether an object is one of them.
@@ -237,17 +243,40 @@ struct Among<'a, T, const N: usize> {
 }
 
 impl<'a, T, const N: usize> Iterator for Among<'a, T, N> {
-    type Item = &'a T;
+    type Item = (usize, &'a T);
 
     #[inline(always)]
-    fn next(&mut self) -> Option<&'a T> {
+    fn next(&mut self) -> Option<(usize, &'a T)> {
+        math::keep_rolled();
         if self.left == 0 {
             return None;
         }
         let place = self.left.trailing_zeros() as usize;
         self.left &= self.left - 1;
-        self.objects.get(place)
+        Some((place, self.objects.get(place)?))
     }
+}
+
+/// The side on which the object at this place is left, if it is the one.
+#[inline(always)]
+fn leaving(place: usize, left: usize, side: Side) -> Option<Side> {
+    if place == left {
+        core::hint::cold_path();
+        Some(side)
+    } else {
+        None
+    }
+}
+
+/// Where in a slice the object lies that the ray leaves, and the side; far out of it if that is no such one.
+#[inline(always)]
+fn departure(ray: &Ray, first: usize) -> (usize, Side) {
+    let (place, side) = match ray.departure {
+        Some(left) => (left.object.wrapping_sub(first), left.side),
+        None => (usize::MAX, Side::Outside),
+    };
+    let place = math::forget(core::ptr::without_provenance::<()>(place));
+    (place.addr(), side)
 }
 
 impl<S: Shape, M, const N: usize> Geometry for Culled<'_, S, M, N> {
@@ -269,9 +298,29 @@ impl<S: Shape, M, const N: usize> Geometry for Culled<'_, S, M, N> {
         among
     }
 
+    #[inline(always)]
+    fn onward(&self, departure: Departure, first: usize) -> Candidates {
+        match self.0.get(departure.object.wrapping_sub(first)) {
+            Some(object) if object.shape.is_left_for_good(departure.side) => {
+                Candidates::ALL.without(departure.object)
+            }
+            _ => Candidates::ALL,
+        }
+    }
+
     #[inline]
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize> {
-        nearest_of::<_, _, P>(self.0.as_slice(), self.among(among, first), ray, first)
+        let setup = S::setup(ray);
+        let (left, side) = departure(ray, first);
+        let mut nearest = N;
+        for (place, object) in self.among(among, first) {
+            let leaving = leaving(place, left, side);
+            if let Some(t) = object.shape.intersect_ahead::<P>(ray, &setup, leaving) {
+                ray.t_max = t;
+                nearest = place;
+            }
+        }
+        (nearest < N).then_some(first + nearest)
     }
 
     #[inline]
@@ -292,7 +341,13 @@ impl<S: Shape, M, const N: usize> Geometry for Culled<'_, S, M, N> {
 
     #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
-        any_blocks::<_, _, P>(self.0, self.among(among, first), ray, first)
+        let setup = S::setup(ray);
+        let (left, side) = departure(ray, first);
+        self.among(among, first).any(|(place, object)| {
+            let leaving = leaving(place, left, side);
+            let met = object.shape.intersect_ahead::<P>(ray, &setup, leaving);
+            met.is_some()
+        })
     }
 
     #[inline]
@@ -306,7 +361,14 @@ impl<S: Shape, M, const N: usize> Geometry for Culled<'_, S, M, N> {
     where
         M: Finish,
     {
-        any_absorbs::<_, _, P, L>(self.0, self.among(among, first), ray, first, light)
+        let setup = S::setup(ray);
+        let (left, side) = departure(ray, first);
+        self.among(among, first).any(|(place, object)| {
+            let leaving = leaving(place, left, side);
+            let times = object.shape.crossings::<P>(ray, &setup, leaving);
+            let inside = || object.shape.inside::<P>(ray, &setup, leaving);
+            light.pass(object.material.transmission(), times, inside)
+        })
     }
 }
 
@@ -594,8 +656,9 @@ impl<C: Copy + Into<i32>, const N: usize> LightSource for LightBuffer<C, N> {
     #[inline(always)]
     fn candidates(&self, direction: Vec3, distance: f32) -> Candidates {
         match self.cells.get(self.cell(-direction)) {
-            // The narrower widths keep the sign: their last bit, too, is for all others.
-            Some(&cell) if distance < self.reach => Candidates(cell.into()),
+            // The narrower widths keep the sign: their last bit, too, is for all others. Of numbers above
+            // zero the bits compare as they do.
+            Some(&cell) if distance.to_bits() < self.reach.to_bits() => Candidates(cell.into()),
             _ => Candidates::ALL,
         }
     }
@@ -659,6 +722,25 @@ mod tests {
         let blinder = blind.without(2);
         assert!(!pair.blocks::<Exact>(&ray, 0, blinder));
         assert_eq!(passes(blinder), 1.0);
+    }
+
+    #[test]
+    fn what_leaves_a_sphere_outward_does_not_look_at_it_again() {
+        let hollow = |z| {
+            let mut ball = ball(0.0, z);
+            ball.shape.radius = -0.5;
+            ball
+        };
+        let balls = [ball(0.0, 0.0), hollow(3.0)];
+        let pair = (&balls[..1], Culled(&balls));
+        let onward = |object, side| {
+            let among = pair.onward(Departure { object, side }, 0);
+            [0, 1, 2].map(|it| among.contain(it))
+        };
+        assert_eq!(onward(1, Side::Outside), [true, false, true]);
+        assert_eq!(onward(1, Side::Inside), [true; 3]);
+        assert_eq!(onward(2, Side::Outside), [true; 3], "met again from within");
+        assert_eq!(onward(0, Side::Outside), [true; 3], "not culled");
     }
 
     #[test]

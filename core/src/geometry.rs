@@ -60,6 +60,13 @@ pub trait Geometry {
         among
     }
 
+    /// The objects that a ray may meet which leaves a surface: all, by default.
+    #[inline(always)]
+    fn onward(&self, departure: Departure, first: usize) -> Candidates {
+        let _ = (departure, first);
+        Candidates::ALL
+    }
+
     /// Finds the nearest point that the ray admits, makes its distance the ray's `t_max`, and tells
     /// which object it is. Of equally near ones the first, so a later one must be strictly nearer.
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize>;
@@ -134,7 +141,12 @@ pub trait Geometry {
         Some(Hit {
             t,
             point: ray.at(t),
-            normal: if front { outward } else { -outward },
+            normal: if front {
+                outward
+            } else {
+                core::hint::cold_path();
+                -outward
+            },
             front,
             object,
             material,
@@ -194,7 +206,7 @@ fn leaves<T>((left, side): (*const T, Side), object: &T) -> Option<Side> {
 
 /// [`Geometry::nearest`] for some objects of a slice.
 #[inline(always)]
-pub(crate) fn nearest_of<'o, 'm, S: Shape, M, P: Math>(
+fn nearest_of<'o, 'm, S: Shape, M, P: Math>(
     all: &'o [Object<'m, S, M>],
     among: impl Iterator<Item = &'o Object<'m, S, M>>,
     ray: &mut Ray,
@@ -216,7 +228,7 @@ pub(crate) fn nearest_of<'o, 'm, S: Shape, M, P: Math>(
 
 /// [`Geometry::blocks`] for some objects of a slice.
 #[inline(always)]
-pub(crate) fn any_blocks<'o, 'm, S: Shape, M, P: Math>(
+fn any_blocks<'o, 'm, S: Shape, M, P: Math>(
     all: &'o [Object<'m, S, M>],
     mut among: impl Iterator<Item = &'o Object<'m, S, M>>,
     ray: &Ray,
@@ -233,7 +245,7 @@ pub(crate) fn any_blocks<'o, 'm, S: Shape, M, P: Math>(
 
 /// [`Geometry::absorbs`] for some objects of a slice.
 #[inline(always)]
-pub(crate) fn any_absorbs<'o, 'm, S: Shape, M: Finish, P: Math, L: Passage>(
+fn any_absorbs<'o, 'm, S: Shape, M: Finish, P: Math, L: Passage>(
     all: &'o [Object<'m, S, M>],
     mut among: impl Iterator<Item = &'o Object<'m, S, M>>,
     ray: &Ray,
@@ -325,6 +337,16 @@ impl<A: Geometry, B: Geometry<Material = A::Material>> Geometry for (A, B) {
     }
 
     #[inline(always)]
+    fn onward(&self, departure: Departure, first: usize) -> Candidates {
+        let right = first + self.0.len();
+        if departure.object < right {
+            self.0.onward(departure, first)
+        } else {
+            self.1.onward(departure, right)
+        }
+    }
+
+    #[inline(always)]
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize> {
         let left = self.0.nearest::<P>(ray, first, among);
         let right = self.1.nearest::<P>(ray, first + self.0.len(), among);
@@ -402,6 +424,11 @@ impl<G: Geometry + ?Sized> Geometry for &G {
     #[inline(always)]
     fn candidates(&self, beam: &Beam, first: usize, among: Candidates) -> Candidates {
         (**self).candidates(beam, first, among)
+    }
+
+    #[inline(always)]
+    fn onward(&self, departure: Departure, first: usize) -> Candidates {
+        (**self).onward(departure, first)
     }
 
     #[inline(always)]

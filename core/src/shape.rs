@@ -68,6 +68,25 @@ pub trait Shape {
         leaving: Option<Side>,
     ) -> Option<f32>;
 
+    /// The same as [`intersect`](Self::intersect), for rays of which many leave the shape behind, as those do
+    /// that [`Culled`](crate::Culled) is asked about: what tells that early costs others more than it saves.
+    #[inline(always)]
+    fn intersect_ahead<P: Math>(
+        &self,
+        ray: &Ray,
+        setup: &Self::Setup,
+        leaving: Option<Side>,
+    ) -> Option<f32> {
+        self.intersect::<P>(ray, setup, leaving)
+    }
+
+    /// Whether no ray that leaves it to this side meets it again. No, by default, which is always right.
+    #[inline(always)]
+    fn is_left_for_good(&self, side: Side) -> bool {
+        let _ = side;
+        false
+    }
+
     /// How many points of the surface the ray admits. Shadow rays count what they cross.
     ///
     /// The default is right for flat surfaces; one that a ray can cross twice must count.

@@ -251,8 +251,7 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
             };
             (ray, throughput, depth) = (path.ray(), path.throughput, path.depth);
             medium = path.medium;
-            // Of rays that leave surfaces nothing is known.
-            among = Candidates::ALL;
+            among = scene.geometry.onward(path.departure, 0);
         }
     }
 
@@ -273,6 +272,13 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
         let color = look(scene, hit);
         let share = throughput.scaled(material.ambient());
         let mut light = share.weigh(material.color().seen(color) * scene.ambient);
+        let onward = scene.geometry.onward(
+            Departure {
+                object: hit.object,
+                side: hit.near_side(),
+            },
+            0,
+        );
         for source in scene.lights {
             let to_light = source.position() - hit.point;
             let height = dot(&hit.normal, &to_light);
@@ -284,11 +290,16 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
             let direction = to_light * recip;
             // No shadow ray for what cannot be seen, and no power for what lies in shadow.
             let cos = dot(&mirrored, &direction);
-            let weight = throughput.weigh(source.color());
             let diffuse = material.diffuse() * (height * recip);
-            // A bound from scalars: see `threshold`.
-            let most = (diffuse + material.highlight().peak(cos)) * weight.element_sum();
-            if !(most > self.threshold) {
+            // A bound from scalars: see `threshold`. Lights are taken not to be black.
+            let seen = if self.threshold == 0.0 {
+                diffuse > 0.0 || material.highlight().peak(cos) > 0.0
+            } else {
+                let weight = throughput.weigh(source.color());
+                let most = (diffuse + material.highlight().peak(cos)) * weight.element_sum();
+                most > self.threshold
+            };
+            if !seen {
                 continue;
             }
             let mut passed = ShareOf::<G::Material>::splat(1.0);
@@ -300,7 +311,10 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
                 shadow.t_max = distance;
                 let among = if P::EXACT {
                     // The surface that is left may lie beside the point where rounding has put that.
-                    source.candidates(direction, distance).with(hit.object)
+                    source
+                        .candidates(direction, distance)
+                        .with(hit.object)
+                        .and(onward)
                 } else {
                     Candidates::ALL
                 };
@@ -319,7 +333,7 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
             if <G::Material as Finish>::Highlight::SHINES {
                 term += Vec3::splat(material.highlight().brightness::<P>(cos));
             }
-            light += passed.weigh(term * weight);
+            light += passed.weigh(term * throughput.weigh(source.color()));
         }
         light
     }

@@ -55,10 +55,11 @@ impl Sphere {
         }
     }
 
-    /// Entry and exit, in that order, whether or not the ray admits them.
+    /// Entry and exit, in that order, whether or not the ray admits them; with `AHEAD`, `None` also where both
+    /// surely lie behind.
     #[cfg_attr(soft_float, inline(never))]
     #[cfg_attr(not(soft_float), inline(always))]
-    fn roots<P: Math>(&self, ray: &Ray) -> Option<(f32, f32)> {
+    fn roots<P: Math, const AHEAD: bool>(&self, ray: &Ray) -> Option<(f32, f32)> {
         // The origin moves to the ray's closest approach before anything is squared, and the small
         // quadratic is solved there: I. Wald, "Improving Numerical Precision in Intersection
         // Programs", Ray Tracing Gems II (2021), ch. 34.
@@ -69,7 +70,9 @@ impl Sphere {
         // What surely misses goes first: the textbook discriminant, whose terms and those below are
         // each off by less than 2^-20 of `distance_squared`. Nothing that is met below stops here.
         const CERTAIN: f32 = 1.0 - 1.0 / (1_u32 << 18) as f32;
-        if approach * approach < distance_squared * CERTAIN - radius_squared {
+        // From outside, of what the ray leaves behind, both roots are below zero by more than rounding.
+        let clearance = distance_squared * CERTAIN - radius_squared;
+        if approach * approach < clearance || (AHEAD && approach < 0.0 && clearance > 0.0) {
             return None;
         }
         let miss = ray.direction * approach - to_center;
@@ -99,6 +102,18 @@ impl Sphere {
         }
     }
 
+    /// [`Shape::intersect`], either way.
+    #[inline(always)]
+    fn first<P: Math, const AHEAD: bool>(&self, ray: &Ray, leaving: Option<Side>) -> Option<f32> {
+        if let Some(side) = leaving {
+            return self.chord(ray, side);
+        }
+        // The entry is never the farther one: where it is not before the end, nor is the exit.
+        let (entry, exit) = self.roots::<P, AHEAD>(ray)?;
+        let enters = entry > 0.0 && self.shows_outside();
+        ray.admitted(if enters { entry } else { exit })
+    }
+
     #[inline(always)]
     fn shows_outside(&self) -> bool {
         self.radius > 0.0
@@ -113,13 +128,17 @@ impl Shape for Sphere {
 
     #[inline(always)]
     fn intersect<P: Math>(&self, ray: &Ray, _: &(), leaving: Option<Side>) -> Option<f32> {
-        if let Some(side) = leaving {
-            return self.chord(ray, side);
-        }
-        // The entry is never the farther one: where it is not before the end, nor is the exit.
-        let (entry, exit) = self.roots::<P>(ray)?;
-        let enters = entry > 0.0 && self.shows_outside();
-        ray.admitted(if enters { entry } else { exit })
+        self.first::<P, false>(ray, leaving)
+    }
+
+    #[inline(always)]
+    fn intersect_ahead<P: Math>(&self, ray: &Ray, _: &(), leaving: Option<Side>) -> Option<f32> {
+        self.first::<P, true>(ray, leaving)
+    }
+
+    #[inline(always)]
+    fn is_left_for_good(&self, side: Side) -> bool {
+        side == Side::Outside && self.shows_outside()
     }
 
     #[inline]
@@ -127,7 +146,7 @@ impl Shape for Sphere {
         if let Some(side) = leaving {
             return self.chord(ray, side).is_some() as u32;
         }
-        match self.roots::<P>(ray) {
+        match self.roots::<P, false>(ray) {
             Some((entry, exit)) => {
                 (self.shows_outside() && ray.admits(entry)) as u32 + ray.admits(exit) as u32
             }
@@ -148,7 +167,7 @@ impl Shape for Sphere {
             let enters = side == Side::Inside && self.shows_outside();
             return if enters { within(ray, 0.0, chord) } else { 0.0 };
         }
-        match self.roots::<P>(ray) {
+        match self.roots::<P, false>(ray) {
             Some((entry, exit)) if self.shows_outside() => within(ray, entry, exit),
             _ => 0.0,
         }
@@ -188,7 +207,7 @@ impl Closed for Sphere {
     ) -> bool {
         let (entry, exit) = match leaving {
             Some(side) => (None, self.chord(ray, side)),
-            None => match self.roots::<P>(ray) {
+            None => match self.roots::<P, false>(ray) {
                 Some((entry, exit)) => (ray.admitted(entry), ray.admitted(exit)),
                 None => (None, None),
             },
@@ -202,6 +221,7 @@ impl Closed for Sphere {
 mod tests {
     use super::*;
     use crate::math::Exact;
+    use crate::random::{numbers, vectors};
 
     const BALL: Sphere = Sphere {
         center: Vec3::new(0.0, 0.0, -5.0),
@@ -251,6 +271,38 @@ mod tests {
         for (name, ball, ray, t) in cases {
             assert_eq!(ball.intersect::<Exact>(&ray, &(), None), t, "{name}");
         }
+    }
+
+    /// Rays from just outside and just inside, past the sphere and away from it.
+    #[test]
+    fn what_is_known_early_to_lie_behind_is_never_met() {
+        let mut numbers = numbers(7);
+        let mut number = move || numbers.next().unwrap();
+        let (mut met, mut behind) = (0, 0);
+        for (spot, other) in vectors(1).zip(vectors(2)).take(200_000) {
+            let outward = Exact::normalize(spot);
+            let across = outward.any_orthonormal_vector() * number().signum();
+            // A few units in the last place, or many.
+            let height = 1.0 + number() / (1_u32 << (8 + (number().abs() * 15.0) as u32)) as f32;
+            let along = number() / (1_u32 << (number().abs() * 24.0) as u32) as f32;
+            let ball = Sphere {
+                center: other * 4.0,
+                radius: 1.0,
+            };
+            let origin = ball.center + outward * height;
+            let ray = Ray::new(origin, Exact::normalize(across + outward * along));
+            let expected = ball.intersect::<Exact>(&ray, &(), None);
+            let found = ball.intersect_ahead::<Exact>(&ray, &(), None);
+            assert_eq!(found, expected, "{ball:?} {ray:?}");
+            if dot(&(ball.center - origin), &ray.direction) < 0.0 {
+                *if expected.is_some() {
+                    &mut met
+                } else {
+                    &mut behind
+                } += 1;
+            }
+        }
+        assert!(met > 10_000 && behind > 10_000, "{met} {behind}");
     }
 
     #[test]
