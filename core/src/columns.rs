@@ -627,6 +627,7 @@ mod tests {
         };
         let nowhere = sprite(1.5, -9.0, &BLACK);
         for (open, row) in [
+            (-0.25, "RRRRYYYY"),
             (0.0, "RRRRYYYY"),
             (0.25, "MMRRRRYY"),
             (0.5, "MMMMRRRR"),

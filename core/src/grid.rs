@@ -115,8 +115,11 @@ pub trait Plan<'a>: Copy {
     #[inline(always)]
     fn across(&self, (cell, face): (usize, Face), from_west: f32, from_north: f32) -> f32 {
         let (from_west, from_north) = match self.door(cell) {
-            // A door takes along what it shows.
-            Some(door) => (from_west - door.open, from_north - door.open),
+            // A door takes along what it shows; less than closed is closed.
+            Some(door) => {
+                let open = door.open.max(0.0);
+                (from_west - open, from_north - open)
+            }
             None => (from_west, from_north),
         };
         match face {

@@ -15,7 +15,6 @@ use embedded_graphics::pixelcolor::RgbColor;
 use whitted::hierarchy::{Child, Node};
 use whitted::{Camera, Closed, Csg, Light, Object, Placement, View};
 
-use crate::paint::Paint;
 use crate::scene::{self, HostGeometry, HostScene, Material};
 use crate::scene_file::Step;
 use crate::scene_file::texture::{Bitmap, HighBitmap, Texture};
@@ -167,13 +166,17 @@ impl Baker {
         self.imports.extend(names);
     }
 
+    /// A material's source, its image added.
+    fn material_source(&mut self, material: &Material) -> String {
+        let terms = std::mem::take(&mut self.terms);
+        let source = terms.source(material, |it| self.image(it));
+        self.terms = terms;
+        source
+    }
+
     /// The material's place among the different ones.
     fn material(&mut self, material: &Material) -> usize {
-        let image = match &material.color {
-            Paint::Image { texture, .. } => Some(self.image(texture)),
-            _ => None,
-        };
-        let source = self.terms.source(material, image.as_deref());
+        let source = self.material_source(material);
         let next = self.materials.len();
         match self.known_materials.entry(source) {
             Entry::Occupied(known) => *known.get(),

@@ -1,5 +1,6 @@
 //! Maps as the ray caster takes them: by columns, and as a maze to trace.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
@@ -148,18 +149,24 @@ impl<'a> HostMap<'a> {
         samples: u32,
         mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let textures: Vec<_> = (self.file.textures.iter())
-            .map(|it| (it.size(), it.pixels()))
-            .collect();
-        let textures: Vec<_> = (textures.iter())
-            .map(|([width, height], texels)| Texture {
-                width: *width,
-                height: *height,
-                texels,
-                palette: &[],
+        let shown: Vec<_> = (self.file.shown_by_walls().into_iter())
+            .map(|place| {
+                let texture = &self.file.textures[place];
+                (place, texture.size(), texture.pixels())
             })
             .collect();
-        let faces = |it: [usize; 4]| it.map(|place| &textures[place]);
+        let textures: HashMap<_, _> = (shown.iter())
+            .map(|(place, [width, height], texels)| {
+                let texture = Texture {
+                    width: *width,
+                    height: *height,
+                    texels,
+                    palette: &[],
+                };
+                (*place, texture)
+            })
+            .collect();
+        let faces = |it: [usize; 4]| it.map(|place| &textures[&place]);
         let walls: Vec<_> = self.file.walls.iter().map(|it| faces(it.faces)).collect();
         let palettes: Vec<Vec<Rgb888>> = (self.file.sprites.iter())
             .map(|it| palette(self.file.bitmap(it.texture)))

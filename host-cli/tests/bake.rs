@@ -252,6 +252,33 @@ fn hall() -> MapFile {
     map::parse(&folder.path().join("hall.map"), text).unwrap()
 }
 
+/// A map whose walls show the same on all sides, to rays too.
+fn alike() -> MapFile {
+    let text = "ambient = [1, 1, 1]\nplan = '''\n####\n#..#\n####\n'''\nfloor = 'stone'\n\
+        player = { position = [1.1, 1.4], direction = [1, 0.1], fov = 70 }\n\
+        [material.stone]\ncolor = [0.5, 0.25, 1]\n\
+        [texture.t]\nrows = ['ab', 'ba']\ncolors = { a = [1, 0, 0], b = [1, 1, 0] }\n\
+        [wall.'#']\nmaterial = 'stone'\ntexture = 't'\nshade = 1\n";
+    map::parse(Path::new("alike.map"), text).unwrap()
+}
+
+/// A map of as many kinds of walls as there can be, whose last one is seen.
+fn kinds() -> MapFile {
+    let sign = |it: u32| char::from_u32(0x100 + it).unwrap();
+    let (first, last) = (sign(0), sign(254));
+    let mut text = format!(
+        "ambient = [1, 1, 1]\nplan = '''\n{first}{first}{first}\n{first}.{last}\n{first}{first}{first}\n\
+         '''\nfloor = 'stone'\n\
+         player = {{ position = [1.1, 1.4], direction = [1, 0.1], fov = 70 }}\n\
+         [material.stone]\ncolor = [0.5, 0.25, 1]\n[material.last]\ncolor = [0.25, 1, 0]\n"
+    );
+    for it in 0..255 {
+        let material = if it == 254 { "last" } else { "stone" };
+        let _ = writeln!(text, "[wall.'{}']\nmaterial = '{material}'", sign(it));
+    }
+    map::parse(Path::new("kinds.map"), &text).unwrap()
+}
+
 fn castle() -> MapFile {
     map::read(&castle_path()).unwrap()
 }
@@ -449,7 +476,12 @@ fn baked_scenes_show_the_bits_of_their_files() {
         nothing(),
         builtin(),
     ];
-    let maps = [("castle", castle()), ("hall", hall())];
+    let maps = [
+        ("castle", castle()),
+        ("hall", hall()),
+        ("alike", alike()),
+        ("kinds", kinds()),
+    ];
     scenes.extend(maps.iter().map(|(name, file)| traced(name, file)));
     scenes.extend(standard());
     let source = place().join("src");

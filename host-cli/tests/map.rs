@@ -159,6 +159,24 @@ fn columns_and_rays_show_the_same_textures_on_walls_and_doors() {
 }
 
 #[test]
+fn walls_of_the_last_kind_are_seen() {
+    let place = place();
+    let (room, _) = ROOM.split_once("[[sprite]]").unwrap();
+    let mut map = room.replace("#...", "#..\u{1fd}");
+    for sign in '\u{100}'..='\u{1fd}' {
+        map += &format!("[wall.'{sign}']\nmaterial = 'green'\ntexture = 'red'\n");
+    }
+    std::fs::write(place.path().join("room.map"), map).unwrap();
+    for kind in [&[][..], &["--trace"]] {
+        let seen = letters(&rendered(&place, kind), 12);
+        assert_eq!(seen[3], "rrrrrRRrrrrr", "{kind:?}");
+    }
+    let output = run(&place, &["inspect", "room.map"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("cells      4x3, 10 solid"), "{text}");
+}
+
+#[test]
 fn rays_can_be_cast_into_maps() {
     use std::io::Write;
     let place = place();

@@ -60,8 +60,9 @@ impl Door {
 pub struct DoorGrid<'a> {
     /// The map.
     pub grid: Grid<'a>,
-    /// What is in cells with the first door; from 1. Greater numbers are those of the next ones.
-    pub first: u8,
+    /// What is in cells with the first door; from 1. Greater numbers are those of the next ones; where all
+    /// that a byte tells are walls it is 256.
+    pub first: u16,
     /// Those that the slice lacks are empty cells.
     pub doors: &'a [Door],
 }
@@ -78,7 +79,7 @@ impl<'a> DoorGrid<'a> {
     fn content(&self, cell: usize) -> Content<'a> {
         match self.grid.kind(cell) {
             0 => Content::Empty,
-            it => match it.checked_sub(self.first) {
+            it => match u16::from(it).checked_sub(self.first) {
                 None => Content::Solid,
                 Some(door) => match self.doors.get(door as usize) {
                     None => Content::Empty,

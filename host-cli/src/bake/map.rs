@@ -153,7 +153,7 @@ fn columns(baker: &mut Baker, file: &MapFile) -> &'static str {
         "columns::Texture",
         "embedded_graphics::pixelcolor::Rgb565",
     ]);
-    let of_walls = used(file.walls.iter().flat_map(|it| it.faces));
+    let of_walls: Vec<_> = file.shown_by_walls().into_iter().collect();
     let of_sprites = used(file.sprites.iter().map(|it| it.texture));
     let all = used(of_walls.iter().chain(&of_sprites).copied());
     let has_palettes = of_walls.iter().all(|&it| file.bitmap(it).is_some());
@@ -227,7 +227,7 @@ fn maze(baker: &mut Baker, maze: &HostMaze<'_>) -> Surfaces {
     let (walls, sides) = if maze.walls.iter().all(is_uniform) {
         // In a slice of their own.
         for sides in maze.walls {
-            let source = baker.terms.source(&sides[0], None);
+            let source = baker.material_source(&sides[0]);
             baker.materials.push(source);
         }
         let count = maze.walls.len();

@@ -1,8 +1,8 @@
 //! Materials, with the terms that a scene uses.
 
-use std::mem::size_of;
-
 use std::collections::BTreeSet;
+use std::mem::size_of;
+use std::sync::Arc;
 
 use whitted::{Absorbing, Checker, Glass, Mirror, Object, Phong, Stripes, Tinted, Vec3};
 
@@ -265,8 +265,12 @@ impl Terms {
         bytes - size_of::<Vec3>() + most.unwrap_or(size_of::<Vec3>()) + tag
     }
 
-    /// A material's source; `image` is the name of its image, where it has one.
-    pub fn source(&self, material: &Material, image: Option<&str>) -> String {
+    /// A material's source; `image` names its image, where it has one.
+    pub fn source(
+        &self,
+        material: &Material,
+        image: impl FnOnce(&Arc<Texture>) -> String,
+    ) -> String {
         debug_assert!(self.color().is_some() || is_simple(material) || self.tints || self.absorbs);
         let kind = ColorKind::of(&material.color);
         let color = match &material.color {
@@ -292,12 +296,12 @@ impl Terms {
                 number(*size)
             ),
             Paint::Image {
+                texture,
                 repeat: (across, along),
                 blend,
-                ..
             } => format!(
                 "ImageMap {{ image: &{}, repeat: ({}, {}), filter: {} }}",
-                image.unwrap_or_default(),
+                image(texture),
                 number(*across),
                 number(*along),
                 if *blend { "Bilinear" } else { "Nearest" }

@@ -42,7 +42,7 @@ pub struct MapReport {
 pub fn inspect_map(map: &HostMap<'_>, view: &View) -> MapReport {
     let file = map.file();
     let module = bake_map(map, view);
-    let is_solid = |it: &&u8| (1..file.first_door).contains(*it);
+    let is_solid = |it: &&u8| (1..file.first_door).contains(&u16::from(**it));
     let is_high = |it: &&_| matches!(**it, Texture::High(_));
     MapReport {
         file: file.path.display().to_string(),

@@ -1,7 +1,8 @@
 //! Maps: a plan of cells, what its walls look like, and who stands in it. The README describes every
 //! field.
 
-use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,7 +11,7 @@ use serde::Deserialize;
 use whitted::grid::{Across, Door};
 
 use super::limits::{self, Range};
-use super::texture::{Bitmap, COLORS, Texture, TextureFields, in_order};
+use super::texture::{Bitmap, COLORS, Texture, TextureFields, in_order, take};
 use super::toml::{Checker, LightFields, MaterialFields, Places, Point, Real, too_many};
 use super::{DEFAULT_DEPTH, Light, Located, Material, Place, Problem, SceneError, bytes};
 use crate::scene_file::error::excerpt;
@@ -36,8 +37,8 @@ pub struct MapFile {
     /// Row after row: 0 where a cell is empty, else 1 and the place of its wall; from `first_door` on
     /// the places of doors.
     pub plan: Vec<u8>,
-    /// What is in the cell of the first door.
-    pub first_door: u8,
+    /// What is in the cell of the first door, if there is one; more than any wall.
+    pub first_door: u16,
     /// Row after row.
     pub doors: Vec<Door>,
     /// In file order, and then those of doors.
@@ -46,7 +47,7 @@ pub struct MapFile {
     pub floor: Material,
     /// What the ceiling is made of; `None` where the map is open above.
     pub ceiling: Option<Material>,
-    /// Of walls and sprites.
+    /// Those of the file, and what walls show beside them.
     pub textures: Vec<Arc<Texture>>,
     /// In file order.
     pub sprites: Vec<Sprite>,
@@ -92,6 +93,11 @@ pub struct Player {
 }
 
 impl MapFile {
+    /// The places of the textures that walls and doors show.
+    pub fn shown_by_walls(&self) -> BTreeSet<usize> {
+        self.walls.iter().flat_map(|it| it.faces).collect()
+    }
+
     /// What a sprite shows; `None` of what has too many colors for one.
     pub fn bitmap(&self, texture: usize) -> Option<&Bitmap> {
         match &**self.textures.get(texture)? {
@@ -231,8 +237,36 @@ type Names = HashMap<String, usize>;
 struct Plan {
     cells: [u16; 2],
     plan: Vec<u8>,
-    first_door: u8,
+    first_door: u16,
     doors: Vec<Door>,
+}
+
+/// The textures of the file, their shades, and the colors of plain walls.
+struct Textures {
+    all: Vec<Arc<Texture>>,
+    /// By the place of what is shaded, and the bits of its shade.
+    shades: HashMap<(usize, u64), usize>,
+    /// How many pixels more there may be.
+    allowed: usize,
+}
+
+impl Textures {
+    /// The place of a texture's shade.
+    fn shaded(&mut self, texture: usize, shade: f64) -> Result<usize, Problem> {
+        if shade == 1.0 {
+            return Ok(texture);
+        }
+        match self.shades.entry((texture, shade.to_bits())) {
+            Entry::Occupied(known) => Ok(*known.get()),
+            Entry::Vacant(new) => {
+                let bright = &self.all[texture];
+                let [width, height] = bright.size().map(usize::from);
+                take(&mut self.allowed, width * height)?;
+                self.all.push(Arc::new(bright.shaded(shade)));
+                Ok(*new.insert(self.all.len() - 1))
+            }
+        }
+    }
 }
 
 struct Reader<'a> {
@@ -259,15 +293,19 @@ impl Reader<'_> {
                 Err((check.start(name), Problem::UnknownMaterial(name_there)))
             }
         };
-        let (mut textures, mut allowed) = (Vec::new(), limits::TEXELS);
+        let mut textures = Textures {
+            all: Vec::new(),
+            shades: HashMap::new(),
+            allowed: limits::TEXELS,
+        };
         let mut texture_names = Names::new();
         for (name, fields) in in_order(&document.texture) {
-            if textures.len() == limits::TEXTURES {
+            if textures.all.len() == limits::TEXTURES {
                 return Err((check.start(name), too_many("textures", limits::TEXTURES)));
             }
-            texture_names.insert(name.get_ref().clone(), textures.len());
-            let texture = fields.read(check, self.folder, name, &mut allowed)?;
-            textures.push(Arc::new(texture));
+            texture_names.insert(name.get_ref().clone(), textures.all.len());
+            let texture = fields.read(check, self.folder, name, &mut textures.allowed)?;
+            textures.all.push(Arc::new(texture));
         }
         let texture = |name: &Spanned<String>| {
             let place = texture_names.get(name.get_ref()).copied();
@@ -290,7 +328,7 @@ impl Reader<'_> {
             let (Some(sign), None) = (sign.next(), sign.next()) else {
                 return contradiction("the name of a wall is one character, as in the plan");
             };
-            let wall = self.wall(fields, &material, &texture, &mut textures)?;
+            let wall = self.wall((name, fields), &material, &texture, &mut textures)?;
             let glass = &wall.material;
             let bends = glass.transmittance > 0.0 && glass.ior != 1.0;
             if is_door && (bends || glass.absorption != [0.0; 3]) {
@@ -324,7 +362,7 @@ impl Reader<'_> {
             if sprites.len() == SPRITES {
                 return Err((check.start(sprite), too_many("sprites", SPRITES)));
             }
-            sprites.push(self.sprite(sprite.get_ref(), &texture, &textures)?);
+            sprites.push(self.sprite(sprite.get_ref(), &texture, &textures.all)?);
         }
         let mut lights = Vec::new();
         for light in &document.light {
@@ -342,7 +380,7 @@ impl Reader<'_> {
             background: check.color("a component of the background", &document.background, 0.0)?,
             ambient: check.color("a component of the ambient light", &document.ambient, 0.0)?,
             lights,
-            player: self.player(cells, |cell| (1..first_door).contains(&plan[cell]))?,
+            player: self.player(cells, |cell| (1..first_door).contains(&plan[cell].into()))?,
             cells,
             plan,
             first_door,
@@ -350,7 +388,7 @@ impl Reader<'_> {
             walls,
             floor: material(&document.floor)?,
             ceiling: document.ceiling.as_ref().map(material).transpose()?,
-            textures,
+            textures: textures.all,
             sprites,
         })
     }
@@ -429,43 +467,41 @@ impl Reader<'_> {
         Ok(Plan {
             cells: [width as u16, rows.len() as u16],
             plan,
-            first_door: kinds.saturating_add(1),
+            first_door: u16::from(kinds) + 1,
             doors,
         })
     }
 
     fn wall(
         &self,
-        fields: &WallFields,
+        (name, fields): (&Spanned<String>, &WallFields),
         material: &impl Fn(&Spanned<String>) -> Result<Material, Located>,
         texture: &impl Fn(&Spanned<String>) -> Result<usize, Located>,
-        textures: &mut Vec<Arc<Texture>>,
+        textures: &mut Textures,
     ) -> Result<Wall, Located> {
-        let mut material = material(&fields.material)?;
+        let material = material(&fields.material)?;
         let shade = self
             .check
             .real_or("the shade", &fields.shade, Range::Share, 0.75)?;
         let base = match &fields.texture {
             Some(name) => texture(name)?,
             None => {
-                textures.push(Arc::new(Texture::plain(material.color)));
-                textures.len() - 1
+                let plain = Texture::plain(material.color);
+                textures.all.push(Arc::new(plain));
+                textures.all.len() - 1
             }
         };
-        if fields.texture.is_some() {
-            material.color = textures[base].mean();
-        }
-        textures.push(Arc::new(textures[base].shaded(shade)));
-        let shaded = textures.len() - 1;
         let sides = [&fields.west, &fields.east, &fields.north, &fields.south];
-        let mut faces = [base, base, shaded, shaded];
-        let mut is_textured = [fields.texture.is_some(); 4];
-        for (i, side) in sides.iter().enumerate() {
-            if let Some(name) = side {
-                faces[i] = texture(name)?;
-                is_textured[i] = true;
-            }
+        let shades = [1.0, 1.0, shade, shade];
+        let mut faces = [base; 4];
+        for ((face, side), shade) in faces.iter_mut().zip(sides).zip(shades) {
+            *face = match side {
+                Some(name) => texture(name)?,
+                None => (textures.shaded(base, shade))
+                    .map_err(|problem| (self.check.start(name), problem))?,
+            };
         }
+        let is_textured = sides.map(|it| it.is_some() || fields.texture.is_some());
         Ok(Wall {
             material,
             faces,
@@ -585,8 +621,6 @@ mod tests {
         assert_eq!(west.palette, [[255, 0, 0], [0, 0, 255]]);
         assert_eq!(north.palette, [[128, 0, 0], [0, 0, 128]]);
         assert_eq!(wall.is_textured, [true; 4]);
-        // Of the pixels that are not transparent.
-        assert_eq!(wall.material.color, [2.0 / 3.0, 0.0, 1.0 / 3.0]);
         assert_eq!(map.sprites[0].position, [2.0, 0.0, 1.5]);
         assert_eq!(map.player.eye, [1.5, 0.5, 1.5]);
         assert_eq!(map.ceiling, None);
@@ -706,6 +740,74 @@ mod tests {
         }
         assert!(read(&glass("ior = 1")).is_ok());
         assert_eq!(read(&long(253)).unwrap().doors.len(), 253);
+    }
+
+    #[test]
+    fn a_byte_tells_255_kinds_of_walls() {
+        let walls = |count: u32| {
+            let sign = |it| char::from_u32(0x100 + it).unwrap();
+            let each = |it| format!("[wall.'{}']\nmaterial = 'stone'\n", sign(it));
+            let walls: String = (0..count).map(each).collect();
+            let plan = ROOM.replace("#..#", &format!("#..{}", sign(count - 1)));
+            plan + &walls
+        };
+        let map = read(&walls(254)).unwrap();
+        assert_eq!((map.plan[7], map.first_door), (255, 256));
+        let inside = walls(254).replace("[1.5, 1.5]", "[3.5, 1.5]");
+        let error = "t.map:7:23: the player stands in a wall";
+        assert_eq!(read(&inside).unwrap_err(), error);
+        let error = "t.map:523:7: more than 255 kinds of walls";
+        assert_eq!(read(&walls(255)).unwrap_err(), error);
+    }
+
+    #[test]
+    fn textures_are_shaded_once_and_where_they_are_seen() {
+        let wall = |sign: char, shade: f64, more: &str| {
+            format!(
+                "[wall.{sign}]\nmaterial = 'stone'\ntexture = 'flag'\nshade = {shade}\n{more}\n"
+            )
+        };
+        let hidden = wall('c', 0.25, "north = 'flag'\nsouth = 'flag'");
+        let all = [
+            ROOM,
+            &wall('a', 0.5, ""),
+            &wall('b', 0.5, ""),
+            &hidden,
+            &wall('d', 1.0, ""),
+        ];
+        let map = read(&all.concat()).unwrap();
+        // The file's, two of the plain walls, and a shade.
+        assert_eq!(map.textures.len(), 4);
+        let faces: Vec<_> = map.walls[1..].iter().map(|it| it.faces).collect();
+        assert_eq!(faces, [[0, 0, 3, 3], [0, 0, 3, 3], [0; 4], [0; 4]]);
+        let plain = ROOM.to_owned()
+            + "[[sprite]]\ntexture = 'flag'\nposition = [2, 1.5]\nwidth = 1\nheight = 1\n";
+        let shown = read(&plain).unwrap().shown_by_walls();
+        assert_eq!(shown, BTreeSet::from([1, 2]), "not what only sprites show");
+    }
+
+    #[test]
+    fn shades_count_among_the_pixels() {
+        let row = format!("'{}',", "a".repeat(TEXTURE_SIDE));
+        let rows = format!("rows = [{}]", row.repeat(TEXTURE_SIDE));
+        let large = ROOM.replace("rows = ['ab', 'a.']", &rows);
+        let walls = |count: u32, shade: &dyn Fn(u32) -> u32| {
+            let wall = |it| {
+                let (sign, shade) = (char::from_u32(0x100 + it).unwrap(), shade(it));
+                format!(
+                    "[wall.'{sign}']\nmaterial = 'stone'\ntexture = 'flag'\nshade = 0.{shade}\n"
+                )
+            };
+            large.clone() + &(0..count).map(wall).collect::<String>()
+        };
+        // Beside the texture and its shades there is the one pixel of a plain wall's shade.
+        let fit = (limits::TEXELS / TEXTURE_SIDE.pow(2)) as u32 - 2;
+        assert!(read(&walls(fit, &|it| 10 + it)).is_ok());
+        assert!(read(&walls(fit + 2, &|_| 5)).is_ok());
+        let error = read(&walls(fit + 1, &|it| 10 + it)).unwrap_err();
+        let line = 15 + 4 * fit;
+        let message = "more than 67108864 pixels in all textures";
+        assert_eq!(error, format!("t.map:{line}:7: {message}"));
     }
 
     #[test]
@@ -892,7 +994,6 @@ mod tests {
         })
         .shaded(0.5);
         assert_eq!(darker.pixels(), [Some(Rgb565::new(16, 20, 3).into())]);
-        assert!((many.textures[0].mean()[0] - 0.5).abs() < 0.01);
         let none = read("none.ppm").unwrap_err().to_string();
         assert!(
             none.contains("11:8: texture none.ppm: 0x1 pixels"),

@@ -86,15 +86,11 @@ impl TextureFields {
         name: &Spanned<String>,
         allowed: &mut usize,
     ) -> Result<Texture, Located> {
-        let (place, pixels) = self.pixels(check, folder, name, allowed)?;
-        match Bitmap::new(&pixels) {
-            Err(Problem::TooMany { limit: COLORS, .. }) => {
-                Ok(Texture::High(HighBitmap::new(&pixels)))
-            }
-            found => found
-                .map(Texture::Palette)
-                .map_err(|problem| (place, problem)),
-        }
+        let pixels = self.pixels(check, folder, name, allowed)?;
+        Ok(match Bitmap::new(&pixels) {
+            Some(bitmap) => Texture::Palette(bitmap),
+            None => Texture::High(HighBitmap::new(&pixels)),
+        })
     }
 
     fn pixels(
@@ -103,7 +99,7 @@ impl TextureFields {
         folder: &Path,
         name: &Spanned<String>,
         allowed: &mut usize,
-    ) -> Result<(super::Place, Pixels<'static>), Located> {
+    ) -> Result<Pixels<'static>, Located> {
         let (place, pixels) = match (&self.file, &self.rows) {
             (Some(file), None) => (check.start(file), Self::of_file(check, folder, file)?),
             (None, Some(rows)) => (check.start(rows), self.of_rows(check, rows)?),
@@ -118,10 +114,8 @@ impl TextureFields {
                 too_many("pixels to a side of a texture", TEXTURE_SIDE),
             ));
         }
-        let left = allowed.checked_sub(pixels.width * pixels.height);
-        *allowed =
-            left.ok_or_else(|| (place, too_many("pixels in all textures", limits::TEXELS)))?;
-        Ok((place, pixels))
+        take(allowed, pixels.width * pixels.height).map_err(|problem| (place, problem))?;
+        Ok(pixels)
     }
 
     fn of_file(
@@ -197,14 +191,21 @@ impl TextureFields {
     }
 }
 
+/// Takes pixels from those that there may be.
+pub(super) fn take(allowed: &mut usize, pixels: usize) -> Result<(), Problem> {
+    let left = allowed.checked_sub(pixels);
+    *allowed = left.ok_or_else(|| too_many("pixels in all textures", limits::TEXELS))?;
+    Ok(())
+}
+
 /// A linear color as a display takes it.
 fn to_bytes(color: [f64; 3]) -> [u8; 3] {
     color.map(|it| whitted::picture::quantize(it as f32))
 }
 
 impl Bitmap {
-    /// Of pixels, `None` where they are transparent; [`TEXTURE_SIDE`] to a side at most.
-    fn new(pixels: &Pixels<'_>) -> Result<Self, Problem> {
+    /// Of pixels, [`TEXTURE_SIDE`] to a side at most; `None` of what has more than [`COLORS`].
+    fn new(pixels: &Pixels<'_>) -> Option<Self> {
         let Pixels { width, height, .. } = *pixels;
         let mut bitmap = Self {
             width: width as u16,
@@ -222,13 +223,13 @@ impl Bitmap {
             let place = *places.entry(color).or_insert(next);
             if place == next {
                 if next == COLORS {
-                    return Err(too_many("colours in a texture", COLORS));
+                    return None;
                 }
                 bitmap.palette.push(color);
             }
             bitmap.texels.push(place as u8);
         }
-        Ok(bitmap)
+        Some(bitmap)
     }
 }
 
@@ -285,17 +286,6 @@ impl Texture {
                 places.map(|place| Some(it.pixels[place].into())).collect()
             }
         }
-    }
-
-    /// Of all pixels that are not transparent, linear.
-    pub(super) fn mean(&self) -> [f64; 3] {
-        let pixels = self.pixels();
-        let colors = || pixels.iter().flatten();
-        let count = colors().count().max(1) as f64;
-        let share = |channel: fn(&Rgb888) -> u8| {
-            colors().map(|it| f64::from(channel(it))).sum::<f64>() / count / 255.0
-        };
-        [share(Rgb888::r), share(Rgb888::g), share(Rgb888::b)]
     }
 }
 
