@@ -60,17 +60,15 @@ impl Paint {
         }
     }
 
-    /// The same where images count lengths, which are cast at this scale.
-    pub(crate) fn on_flat(&self, scale: Scale) -> Self {
-        let mut paint = self.clone();
-        if let Self::Image { repeat, .. } = &mut paint {
-            let (across, along) = *repeat;
-            *repeat = (
-                scale.per_length(across.into()),
-                scale.per_length(along.into()),
-            );
+    /// Repeats an image as often over lengths that are cast at this scale: u or v, which count lengths.
+    pub(crate) fn count_lengths(&mut self, [across, along]: [bool; 2], scale: Scale) {
+        if let Self::Image { repeat: (u, v), .. } = self {
+            for (counts, copies) in [(across, u), (along, v)] {
+                if counts {
+                    *copies = scale.per_length(f64::from(*copies));
+                }
+            }
         }
-        paint
     }
 
     /// The color, if it is the same everywhere.

@@ -4,6 +4,7 @@
 //! is one type with every primitive and every term of the lighting model.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use glam::Vec3;
 use whitted::area::{Disk, Outline, Rect, Samples};
@@ -109,9 +110,8 @@ pub struct Pool {
     scale: Scale,
     /// Different ones only.
     materials: Vec<Material>,
-    /// For each material of the file, which of these it is: on most shapes, and on flat ones, on which
-    /// images count lengths.
-    material_of: Vec<[usize; 2]>,
+    /// For each material of the file, which of these it is where images [count lengths](in_lengths).
+    material_of: HashMap<(usize, [bool; 2]), usize>,
     vertices: Vec<Vec3>,
     /// For each object of the file that is a polygon, in order, where its vertices end.
     ends: Vec<usize>,
@@ -124,23 +124,28 @@ impl Pool {
         let mut pool = Self {
             scale,
             materials: Vec::new(),
-            material_of: Vec::new(),
+            material_of: HashMap::new(),
             vertices: Vec::new(),
             ends: Vec::new(),
         };
         let mut known = HashMap::new();
-        for material in &file.materials {
-            let material = self::material(material, scale);
-            let flat = Material {
-                color: material.color.on_flat(scale),
-                ..material.clone()
-            };
-            pool.material_of.push([material, flat].map(|it| {
-                *known.entry(bits(&it)).or_insert_with(|| {
-                    pool.materials.push(it);
-                    pool.materials.len() - 1
-                })
-            }));
+        let mut add = |index: usize, in_lengths| {
+            let mut material = self::material(&file.materials[index], scale);
+            material.color.count_lengths(in_lengths, scale);
+            *known.entry(bits(&material)).or_insert_with(|| {
+                pool.materials.push(material);
+                pool.materials.len() - 1
+            })
+        };
+        for index in 0..file.materials.len() {
+            let place = add(index, [false; 2]);
+            pool.material_of.insert((index, [false; 2]), place);
+        }
+        for object in file.all_objects() {
+            let key = (object.material, in_lengths(&object.shape));
+            if let Entry::Vacant(entry) = pool.material_of.entry(key) {
+                entry.insert(add(key.0, key.1));
+            }
         }
         for object in file.all_objects() {
             if let Shape::Polygon { vertices } = &object.shape {
@@ -176,6 +181,15 @@ pub(crate) fn material(file: &scene_file::Material, scale: Scale) -> Material {
             ior: file.ior as f32,
             absorption: Vec3::from_array(file.absorption.map(|it| scale.per_length(it))),
         },
+    }
+}
+
+/// Whether u and v are lengths on a shape, as [`whitted::Shape::uv`] has them.
+fn in_lengths(shape: &Shape) -> [bool; 2] {
+    match shape {
+        Shape::Plane { .. } | Shape::Polygon { .. } => [true; 2],
+        Shape::Quadric { form, .. } => [false, form.is_endless()],
+        _ => [false; 2],
     }
 }
 
@@ -443,8 +457,14 @@ impl<'a> Content<'a> {
         let mut origins: [Vec<&'a scene_file::Object>; 9] = Default::default();
         for object in objects {
             let place = object.place;
-            let flat = matches!(object.shape, Shape::Plane { .. } | Shape::Polygon { .. });
-            let material = &pool.materials[pool.material_of[object.material][usize::from(flat)]];
+            let key = (object.material, in_lengths(&object.shape));
+            let material = &pool.materials[pool.material_of[&key]];
+            if let Paint::Image { repeat, .. } = material.color
+                && !(repeat.0.is_finite() && repeat.1.is_finite())
+            {
+                let problem = "the copies of its image are out of all proportion to the scene";
+                return Err((place, Problem::Contradiction(problem)));
+            }
             let kind = match object.shape {
                 Shape::Sphere { center, radius } => {
                     let shape = Sphere::new(scale.point(center), scale.length(radius))
@@ -573,16 +593,22 @@ mod tests {
     }
 
     #[test]
-    fn images_on_planes_count_lengths_at_every_scale() {
+    fn images_count_lengths_at_every_scale() {
         let text = |exponent: i32| {
             let length = |it: f64| it * 2_f64.powi(exponent);
             let (x, size, copies) = (length(7.0), length(3.0), 2_f64.powi(-exponent) / 3.0);
+            let (far, square) = (length(40.0), size * size);
             format!(
                 "[texture.pair]\nrows = ['rg', 'gr']\ncolors = {{ r = [1, 0, 0], g = [0, 1, 0] }}\n\
                  [material.a]\nimage = {{ texture = 'pair', repeat = [{copies}, {copies}] }}\n\
                  [[plane]]\nmaterial = 'a'\npoint = [{x}, {size}, 0]\nnormal = [0, 1, 0.5]\n\
                  [material.b]\nimage = {{ texture = 'pair', repeat = [3, 3] }}\n\
-                 [[sphere]]\nmaterial = 'b'\ncenter = [0, 0, 0]\nradius = {size}"
+                 [[sphere]]\nmaterial = 'b'\ncenter = [0, 0, 0]\nradius = {size}\n\
+                 [material.c]\nimage = {{ texture = 'pair', repeat = [5, {copies}] }}\n\
+                 [[quadric]]\nmaterial = 'c'\ncenter = [{far}, 0, 0]\nsquares = [1, 0, 1]\n\
+                 constant = -{square}\n\
+                 [[paraboloid]]\nmaterial = 'c'\ntip = [-{far}, 0, 0]\n\
+                 end = [-{far}, {far}, 0]\nradius = {size}"
             )
         };
         let colors = |exponent| {
@@ -591,24 +617,27 @@ mod tests {
             assert_eq!(scale.exponent == 0, exponent == 0);
             let scene = HostScene::new(&file, &pool).unwrap();
             let geometry = scene.geometry();
-            let color = |i: i32| {
-                let at = |it: i32| f64::from(it * 7 % 23) * 2_f64.powi(exponent);
-                let origin = scale.point([at(i), 50.0 * 2_f64.powi(exponent), at(i / 3)]);
-                let hit = geometry
-                    .closest_hit(&Ray::new(origin, Vec3::NEG_Y))
-                    .unwrap();
+            let seen = |origin: [f64; 3], direction| {
+                let origin = scale.point(origin.map(|it| it * 2_f64.powi(exponent)));
+                let hit = geometry.closest_hit(&Ray::new(origin, direction)).unwrap();
                 hit.material.color.at(&Spot {
                     point: hit.point,
                     outward: hit.normal,
                     uv: geometry.uv(hit.point, hit.object, 0),
                 })
             };
-            (0..200).map(color).collect::<Vec<_>>()
+            let at = |i: i32| f64::from(i * 7 % 23);
+            let from_above = (0..200).map(|i| seen([at(i), 50.0, at(i / 3)], Vec3::NEG_Y));
+            let ahead = |x: f64| (0..200).map(move |i| [x, 5.0 + at(i), 50.0]);
+            let round = ahead(40.0).chain(ahead(-40.0));
+            from_above
+                .chain(round.map(|it| seen(it, Vec3::NEG_Z)))
+                .collect::<Vec<_>>()
         };
         let expected = colors(0);
         assert!(expected.contains(&Vec3::X) && expected.contains(&Vec3::Y));
-        assert_eq!(colors(90), expected);
-        assert_eq!(colors(-90), expected);
+        assert_eq!(colors(60), expected);
+        assert_eq!(colors(-60), expected);
     }
 
     #[test]

@@ -131,22 +131,21 @@ impl<'a, M: Finish> Wide<'a, M> {
     ///
     /// # Panics
     ///
-    /// Where there are 2^32 objects or more.
+    /// Where there are 2^23 objects or more.
     pub fn with_level(kinds: Kinds<'a, M>, level: Level) -> Self {
         Self::with(kinds, level, FLAT)
     }
 
     fn with(kinds: Kinds<'a, M>, level: Level, flat: usize) -> Self {
         let parts = Parts::new(kinds);
-        assert!(parts.len() < u32::MAX as usize, "too many objects");
+        assert!(parts.len() < PLACES, "too many objects");
         let (items, loose) = blocks::items(&parts);
         let tree = AnyTree::new(&parts, items, level, flat);
         let about = tree.about();
         let all_tested = matches!(about.search, Search::Spheres | Search::Blocks);
         let few = all_tested
             && loose.len() == parts.planes.objects.len()
-            && parts.quadrics.first == parts.len()
-            && parts.len() < PLACES;
+            && parts.quadrics.first == parts.len();
         Self {
             few: few.then(|| Few::new(&parts)),
             parts,

@@ -185,6 +185,17 @@ impl Quadric {
         }
     }
 
+    /// Whether v counts lengths on it, from its center, and not from one end to the other.
+    pub(crate) fn is_endless(&self) -> bool {
+        match self {
+            // The tip cuts nothing off.
+            Self::Paraboloid { .. } => true,
+            Self::General(it) if it.axis == [0.0; 3] => !(it.max[1] - it.min[1]).is_finite(),
+            Self::General(it) => !(it.to - it.from).is_finite(),
+            _ => false,
+        }
+    }
+
     /// Visits the lengths that make it as large as it is.
     pub(super) fn sizes(&self, visit: &mut impl FnMut(f64)) {
         match *self {

@@ -2,8 +2,8 @@
 
 use fearless_simd::Level;
 use whitted::{
-    Absorbing, Cuboid, Departure, Ends, Exact, Frustum, Geometry, Hit, Math, Mirror, Object, Patch,
-    PhongReal, Plane, Polygon, Quadric, Ray, Side, Sphere, Torus, Triangle, Vec3,
+    Absorbing, Clip, Cuboid, Departure, Ends, Exact, Frustum, Geometry, Hit, Math, Mirror, Object,
+    Patch, PhongReal, Plane, Polygon, Quadric, Ray, Side, Sphere, Torus, Triangle, Vec3,
 };
 
 use super::{Kinds, Wide, bounds, levels, lockstep};
@@ -190,6 +190,7 @@ impl Owned {
         }
         if style.odd {
             scene.add_odd();
+            scene.add_odd_surfaces();
             twins(random, &mut scene.spheres);
             twins(random, &mut scene.polygons);
             twins(random, &mut scene.triangles);
@@ -282,16 +283,19 @@ impl Owned {
             self.frusta.push(Object { shape, material });
         }
         let ends = random.pick(&[Ends::Open, Ends::Closed]);
-        // Few: each is looked at for every ray.
-        if self.quadrics.len() < 8
-            && let Ok(shape) = Quadric::cone(center, radius.abs(), other, tip.abs(), ends)
-        {
+        let (radius, tip) = (radius.abs(), tip.abs());
+        let quadric = match random.below(6) {
+            0 => Quadric::ellipsoid(center, (other - center).abs() + radius),
+            1 => Quadric::cylinder(center, other, radius, ends),
+            2 => Quadric::paraboloid(center, other, radius, ends),
+            3 => Quadric::hyperboloid(center, other, radius, 0.5 * radius, ends),
+            4 => Quadric::two_sheets(center, other, radius, 0.5 * (other - center).length(), ends),
+            _ => Quadric::cone(center, radius, other, tip, ends),
+        };
+        if let Ok(shape) = quadric {
             self.quadrics.push(Object { shape, material });
         }
-        let (major, minor) = (radius.abs(), radius.abs() * 0.3);
-        if self.tori.len() < 8
-            && let Ok(shape) = Torus::new(center, other - center, major, minor)
-        {
+        if let Ok(shape) = Torus::new(center, other - center, radius, radius * 0.3) {
             self.tori.push(Object { shape, material });
         }
     }
@@ -366,6 +370,49 @@ impl Owned {
         }
     }
 
+    /// Surfaces without bounds, and numbers that no constructor accepts.
+    fn add_odd_surfaces(&mut self) {
+        let material = &STUFF[3];
+        let endless = Quadric::new(
+            Vec3::ZERO,
+            Vec3::new(1.0, -1.0, 1.0),
+            Vec3::ZERO,
+            Vec3::ZERO,
+            -0.25,
+            Clip::NONE,
+            Ends::Open,
+        );
+        let endless = endless.expect("a quadric");
+        let beyond = Clip {
+            min: Vec3::splat(-1e30),
+            max: Vec3::splat(1e30),
+            ..Clip::NONE
+        };
+        let clips = [Clip::NONE, beyond].map(|clip| Quadric { clip, ..endless });
+        let center = Vec3::NAN;
+        for shape in clips.into_iter().chain([Quadric { center, ..endless }]) {
+            self.quadrics.push(Object { shape, material });
+        }
+        for (axis, major, minor) in [
+            (Vec3::Y * 2.0, 1.0, 0.25),
+            (Vec3::NAN, 1.0, 0.25),
+            (Vec3::Y, f32::INFINITY, 0.25),
+            (Vec3::Y, 0.25, 1.0),
+            (Vec3::Y, -1.0, 0.25),
+        ] {
+            let center = Vec3::new(-0.5, 0.5, 0.25);
+            self.tori.push(Object {
+                shape: Torus {
+                    center,
+                    axis,
+                    major,
+                    minor,
+                },
+                material,
+            });
+        }
+    }
+
     fn kinds(&self) -> Kinds<'_, Material> {
         (
             &self.spheres,
@@ -408,7 +455,26 @@ impl Owned {
             // At something: its middle, or where it is touched.
             let sphere = random.below(self.spheres.len());
             let sphere = self.spheres[sphere].shape;
-            let target = match random.below(3) {
+            let target = match random.below(5) {
+                3 if !self.tori.is_empty() => {
+                    // Where the box round it is touched.
+                    let torus = self.tori[random.below(self.tori.len())].shape;
+                    let way = random.pick(&Vec3::AXES) * random.pick(&[1.0, -1.0]);
+                    let across = way - torus.axis * way.dot(torus.axis);
+                    let ring = across.try_normalize().unwrap_or(Vec3::ZERO);
+                    torus.center + ring * torus.major + way * torus.minor
+                }
+                4 if !self.quadrics.is_empty() => {
+                    let quadric = self.quadrics[random.below(self.quadrics.len())].shape;
+                    let share = Vec3::new(random.signed(), random.signed(), random.signed());
+                    let (min, max) = (quadric.clip.min, quadric.clip.max);
+                    let inside = min + (max - min) * (share * 0.5 + 0.5);
+                    let (side, axis) = (random.pick(&[min, max]), random.below(3));
+                    // At a side of the box round it.
+                    let mut at = inside.to_array();
+                    at[axis] = side.to_array()[axis];
+                    quadric.center + Vec3::from_array(at)
+                }
                 0 => sphere.center,
                 1 => sphere.center + random.unit() * sphere.radius,
                 _ => {
@@ -599,7 +665,7 @@ fn rays_together_are_answered_as_the_kernels_do() {
         let scene = Owned::new(style, &mut random);
         for flat in [0, usize::MAX] {
             let [met, dimmed] = compare_together(&scene, flat, 100, &mut random, |_, _| true);
-            assert!(met > 400 && dimmed > 40, "{style:?}: {met}, {dimmed}");
+            assert!(met > 400 && dimmed > 20, "{style:?}: {met}, {dimmed}");
         }
     }
 }

@@ -13,8 +13,10 @@
 //!   `R`, and 128 u of the sum of the ray's, which is at most 384 u of `|o|` ([`bounds`](super::bounds)):
 //!   `(R + 384 u |o|)^2 <= (1 + M) R^2 + (1 + 1 / M) (384 u)^2 o.o`.
 //!
-//! With `M` = 2^-14 = 1024 u, the last is 145 u of `o.o`, and the sum is less than half of
-//! `M (c.c + o.o + R^2)`. Of an outline that holds for the ray's line only, not for the point on it.
+//! With `M` = 2^-14 = 1024 u, the last is 145 u of `o.o`, and `M R^2` is what it takes of `R^2`. A ray that
+//! misses has `R^2 < |c - o|^2`, so that all errors together are less than `M (c.c + o.o)`. Of an outline that
+//! holds for the ray's line only, not for the point on it. Objects so small, and so near the origin, that
+//! squares lose digits at the end of the range are not passed over.
 
 use fearless_simd::Simd;
 use glam::{DVec3, Vec3};
@@ -25,6 +27,9 @@ use super::lanes::{Lanes, Vectors};
 
 /// `M`.
 const MARGIN: f64 = 1.0 / (1 << 14) as f64;
+
+/// Squares of what is larger are far from the end of the range: 2^-40.
+const TINY: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// A sphere round an object.
 #[derive(Clone, Copy, Debug)]
@@ -77,21 +82,24 @@ impl Around {
         };
         // Towards the farthest point, by less and less: M. Badoiu, K. L. Clarkson, "Smaller Core-Sets for
         // Balls", SODA 2003.
-        let distance = |center: Vec3, point: &Vec3| (point.as_dvec3() - center.as_dvec3()).length();
+        let squared = |center: Vec3, point: &Vec3| point.as_dvec3().distance_squared(center.into());
         let mut center = first;
-        for step in 1..200 {
-            let farthest =
-                |a: &&Vec3, b: &&Vec3| distance(center, a).total_cmp(&distance(center, b));
-            let farthest = points.iter().max_by(farthest).unwrap_or(&first);
+        // The radius is that of the center that this ends with.
+        for step in 1..17 {
+            let far = |a: &&Vec3, b: &&Vec3| squared(center, a).total_cmp(&squared(center, b));
+            let farthest = points.iter().max_by(far).unwrap_or(&first);
             center += (farthest - center) / (step + 1) as f32;
         }
-        let radius = points.iter().map(|it| distance(center, it));
-        Self::new(center, radius.fold(0.0, f64::max))
+        let square = points.iter().map(|it| squared(center, it));
+        Self::new(center, square.fold(0.0, f64::max).sqrt())
     }
 
     fn new(center: Vec3, radius: f64) -> Self {
         let center64: DVec3 = center.as_dvec3();
         let reach = center64.abs().max_element() + radius;
+        if reach < TINY {
+            return Self::ALL;
+        }
         // Along each of three coordinates.
         let radius = radius + 2.0 * f64::from(ROUNDING) * reach;
         let power = center64.length_squared() * (1.0 - MARGIN) - radius * radius * (1.0 + MARGIN);
