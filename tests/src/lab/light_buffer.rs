@@ -2,6 +2,7 @@
 //!
 //! The shadow rays of whole pictures are taken down, and each method is asked about all of them.
 
+use std::array::from_ref;
 use std::cell::{Cell, RefCell};
 
 use glam::{DVec3, Vec3};
@@ -11,8 +12,9 @@ use whitted::material::{AttenuationBy, ShareOf};
 use whitted::math::{Attenuation, Passage};
 use whitted::picture::row;
 use whitted::{
-    Camera, Candidates, Exact, Finish, Geometry, Hierarchy, Light, LightBuffer, LightSource,
-    Material, Math, Node, Object, Plane, Ray, Scene, Shape, Side, Sphere, Tracer, View,
+    Camera, Candidates, Culled, Exact, Finish, Geometry, Hierarchy, Light, LightBuffer,
+    LightSource, Material, Math, Node, Object, Plane, Ray, Scene, Shape, Side, Sphere, Tracer,
+    View,
 };
 use whitted_cli::hierarchy::{Bounded, Costs, Settings, Tree};
 
@@ -41,7 +43,7 @@ pub struct Buffered {
     pub tests: f64,
     /// Bounds that are tested, a ray.
     pub bounds: f64,
-    /// Share of the plain slice's tests of spheres that are saved.
+    /// Share of the plain slice's tests that are saved, where tests of bounds are tests, too.
     pub saved: f64,
     /// Share of the rays for which no sphere is tested.
     pub idle: f64,
@@ -344,21 +346,26 @@ impl Cube {
         (face * self.side + place(v)) * self.side + place(u)
     }
 
-    fn order(&self, ray: &Ray) -> Vec<usize> {
+    fn order<M>(&self, balls: &[Object<'_, Sphere, M>], ray: &Ray) -> Vec<usize> {
         let cell = &self.cells[self.cell(ray.origin.as_dvec3() - self.light)];
         let distance = f64::from(ray.t_max);
         let before = cell.iter().take_while(|it| it.0 <= distance);
         let mut order: Vec<usize> = before.map(|it| it.1).collect();
-        // As in `whitted`, what is left is looked at.
-        let left = ray.departure.map(|it| it.object);
-        order.extend(left.filter(|it| !order.contains(it)));
+        // As in `whitted`, what is left is looked at, unless it cannot be met again.
+        if let Some(left) = ray.departure {
+            order.retain(|&it| it != left.object);
+            let ball = balls.get(left.object);
+            if ball.is_some_and(|it| !it.shape.is_left_for_good(left.side)) {
+                order.push(left.object);
+            }
+        }
         order
     }
 
-    /// Where each list ends, and the lists.
+    /// Where each list ends, the lists, and each sphere's distance, which is the same in all cells.
     fn bytes(&self, spheres: usize) -> usize {
         let entries: usize = self.cells.iter().map(Vec::len).sum();
-        2 * (self.cells.len() + 1) + entries * index(spheres)
+        2 * (self.cells.len() + 1) + entries * index(spheres) + spheres * size_of::<f32>()
     }
 }
 
@@ -449,7 +456,7 @@ where
             rays: rays.len(),
             tests: share(sum(0), rays.len()),
             bounds: share(sum(1), rays.len()),
-            saved: share(every as f64 - sum(0), every),
+            saved: share(every as f64 - sum(0) - sum(1), every),
             idle: share(idle, rays.len()),
         });
     };
@@ -481,10 +488,16 @@ fn orders<'a, M>(
             let bytes = size_of_val(&buffers[0]) - size_of::<Light>();
             let order: Order<'a> = Box::new(move |light, ray| {
                 let mut among = buffers[light].candidates(ray.direction, ray.t_max);
+                let mut onward = Candidates::ALL;
+                // As the tracer does.
                 if let Some(left) = ray.departure {
                     among = among.with(left.object);
+                    if let Some(ball) = balls.get(left.object) {
+                        onward = Culled(from_ref(ball)).onward(left, left.object);
+                    }
                 }
-                (0..balls.len()).filter(|&it| among.contain(it)).collect()
+                let is_tested = |&it: &usize| among.contain(it) && onward.contain(it);
+                (0..balls.len()).filter(is_tested).collect()
             });
             all.push((BITS, $cells, lights.len() * bytes, order));
         )*}};
@@ -498,7 +511,7 @@ fn orders<'a, M>(
         let cube = |light: &Light| Cube::new(light.position, balls, side);
         let cubes: Vec<_> = lights.iter().map(cube).collect();
         let bytes = cubes.iter().map(|it| it.bytes(balls.len())).sum();
-        let order: Order<'a> = Box::new(move |light, ray| cubes[light].order(ray));
+        let order: Order<'a> = Box::new(move |light, ray| cubes[light].order(balls, ray));
         all.push((LISTS, 6 * side * side, bytes, order));
     }
     all

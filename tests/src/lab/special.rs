@@ -1,9 +1,14 @@
 //! Inputs that break methods rather than strain them: zero, infinity, NaN, degenerate shapes.
 
-use whitted::{Cuboid, Ends, Frustum, Plane, Polygon, Quadric, Ray, Sphere, Torus, Triangle, Vec3};
+use whitted::pattern::Spot;
+use whitted::{
+    Checker, Cuboid, Ends, Frustum, Plane, Polygon, Quadric, Ray, Sphere, Torus, Triangle, Vec3,
+};
+use whitted_methods::instance::Placed;
 use whitted_methods::plane::PlaneForms;
 use whitted_methods::{
-    cuboid, frustum, plane, polygon, power, quadric, roots, sphere, torus, triangle,
+    checker, cuboid, frustum, instance, plane, polygon, power, quadric, roots, sphere, torus,
+    triangle,
 };
 
 /// What may be answered.
@@ -629,6 +634,89 @@ fn tori() -> Cases<(Ray, Torus)> {
     ]
 }
 
+fn instances() -> Cases<(Ray, Placed)> {
+    let ball = |axes: [Vec3; 3], center| {
+        let unit = Sphere {
+            center: Vec3::ZERO,
+            radius: 1.0,
+        };
+        Placed::new(axes, center, unit).expect("a placement")
+    };
+    let scaled = |x: f32, rest: f32| [Vec3::X * x, Vec3::Y * rest, Vec3::Z * rest];
+    // From -1 to 3 along x.
+    let wide = ball(scaled(2.0, 1.0), Vec3::X);
+    let mirrored = ball(scaled(-2.0, 1.0), Vec3::X);
+    let along = |x| ray([x, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let back = |x| ray([x, 0.0, 0.0], [-1.0, 0.0, 0.0]);
+    let power = |exponent: f32| exponent.exp2();
+    let sized = |x: f32| (along(-3.0 * x), ball(scaled(x, x), Vec3::ZERO));
+    vec![
+        ("through the center", (along(-4.0), wide), Hit(3.0)),
+        ("mirrored", (along(-4.0), mirrored), Hit(3.0)),
+        (
+            "tangent",
+            (ray([3.0, 0.0, -3.0], [0.0, 0.0, 1.0]), wide),
+            HitOrMiss(3.0),
+        ),
+        ("from the center", (along(1.0), wide), Hit(2.0)),
+        ("from the surface, out", (along(3.0), wide), Miss),
+        ("from the surface, in", (back(3.0), wide), Hit(4.0)),
+        ("behind", (along(4.0), wide), Miss),
+        ("tiny", sized(power(-60.0)), Hit(power(-59.0))),
+        ("huge", sized(power(60.0)), Hit(power(61.0))),
+        (
+            "no direction",
+            (ray([-4.0, 0.0, 0.0], [0.0; 3]), wide),
+            Miss,
+        ),
+        (
+            "direction NaN",
+            (ray([-4.0, 0.0, 0.0], [1.0, NAN, 0.0]), wide),
+            Miss,
+        ),
+        ("origin NaN", (along(NAN), wide), Miss),
+        ("origin infinite", (along(-INFINITY), wide), Miss),
+    ]
+}
+
+/// Of the cell from the origin on, and its neighbors.
+const DARK: f32 = 0.5;
+const BRIGHT: f32 = 1.0;
+
+/// Cells of unit size.
+fn checkers() -> Cases<Spot> {
+    let at = |point: [f32; 3], outward| Spot {
+        point: point.into(),
+        outward,
+        uv: (0.0, 0.0),
+    };
+    let floor = |y| at([0.5, y, 0.5], Vec3::Y);
+    let ceiling = |y| at([0.5, y, 0.5], Vec3::NEG_Y);
+    vec![
+        ("in the first cell", floor(0.5), Hit(DARK)),
+        ("below zero", floor(-0.5), Hit(BRIGHT)),
+        ("in a boundary, from above", floor(0.0), Hit(BRIGHT)),
+        (
+            "in a boundary at -0.0, from above",
+            floor(-0.0),
+            Hit(BRIGHT),
+        ),
+        ("in a boundary, from below", ceiling(0.0), Hit(DARK)),
+        (
+            "a rounding over a boundary, from above",
+            floor(U),
+            Hit(BRIGHT),
+        ),
+        ("a rounding below it, from above", floor(-U), Hit(BRIGHT)),
+        ("a rounding over it, from below", ceiling(U), Hit(DARK)),
+        ("a rounding below it, from below", ceiling(-U), Hit(DARK)),
+        ("at a corner", at([0.0; 3], Vec3::Y), Hit(BRIGHT)),
+        ("beyond all cells", floor(f32::MAX), Finite),
+        ("point infinite", floor(-INFINITY), Finite),
+        ("point NaN", floor(NAN), Finite),
+    ]
+}
+
 /// An input whose numbers can be replaced one by one.
 trait Fields: Sized {
     /// The same with one number replaced; nothing past the last one.
@@ -739,6 +827,15 @@ impl Fields for (Ray, Torus) {
             .chain([&mut torus.major, &mut torus.minor]);
         replace(of_ray(&mut ray).chain(shape), field, value)?;
         Some((ray, torus))
+    }
+}
+
+/// Of the ray alone: a placement of other numbers is refused, or is another.
+impl Fields for (Ray, Placed) {
+    fn with(&self, field: usize, value: f32) -> Option<Self> {
+        let (mut ray, placed) = *self;
+        replace(of_ray(&mut ray), field, value)?;
+        Some((ray, placed))
     }
 }
 
@@ -880,6 +977,24 @@ pub fn run() -> Vec<Outcome> {
             f(ray, &polygon::Setup::new(ray), &triangle)
         },
     );
+    shapes(
+        &mut all,
+        "instance",
+        instance::METHODS,
+        instances(),
+        |f, (ray, placed)| f(ray, placed),
+    );
+    let cubes = Checker {
+        colors: [DARK, BRIGHT].map(Vec3::splat),
+        size: 1.0,
+    };
+    stage(
+        &mut all,
+        "checker",
+        checker::METHODS,
+        checkers(),
+        |f, spot| Some(f(&cubes, spot).x),
+    );
     // Functions of numbers: NaN counts as no answer.
     let answer = |x: f32| (!x.is_nan()).then_some(x);
     let zero = vec![
@@ -944,8 +1059,10 @@ mod tests {
             .filter(|one| one.method == "core" && !one.pass)
             .collect();
         assert!(failures.is_empty(), "{failures:#?}");
-        // Of every stage of intersection some method fails, or the cases are too easy.
-        for stage in ["sphere", "plane", "cuboid", "polygon", "quadric", "torus"] {
+        // Of each of these some method fails, or the cases are too easy.
+        for stage in [
+            "sphere", "plane", "cuboid", "polygon", "quadric", "torus", "checker",
+        ] {
             assert!(
                 outcomes.iter().any(|one| one.stage == stage && !one.pass),
                 "{stage}"
