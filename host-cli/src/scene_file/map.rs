@@ -11,7 +11,7 @@ use serde::Deserialize;
 use whitted::grid::{Across, Door};
 
 use super::limits::{self, Range};
-use super::texture::{Bitmap, COLORS, Texture, TextureFields, in_order, take};
+use super::texture::{Bitmap, COLORS, Texture, TextureFields, in_order, read_all, take};
 use super::toml::{Checker, LightFields, MaterialFields, Places, Point, Real, too_many};
 use super::{DEFAULT_DEPTH, Light, Located, Material, Place, Problem, SceneError, bytes};
 use crate::scene_file::error::excerpt;
@@ -282,7 +282,7 @@ impl Reader<'_> {
         let mut materials = Vec::new();
         let mut material_names = Names::new();
         for (name, fields) in in_order(&document.material) {
-            let material = fields.read(check, name, &[])?;
+            let material = fields.read(check, name, &HashMap::new())?;
             material_names.insert(name.get_ref().clone(), materials.len());
             materials.push(material);
         }
@@ -293,22 +293,17 @@ impl Reader<'_> {
                 Err((check.start(name), Problem::UnknownMaterial(name_there)))
             }
         };
+        let mut allowed = limits::TEXELS;
+        let named = read_all(&document.texture, check, self.folder, &mut allowed)?;
+        let (texture_names, all): (Vec<_>, Vec<_>) = named.into_iter().unzip();
         let mut textures = Textures {
-            all: Vec::new(),
+            all,
             shades: HashMap::new(),
-            allowed: limits::TEXELS,
+            allowed,
         };
-        let mut texture_names = Names::new();
-        for (name, fields) in in_order(&document.texture) {
-            if textures.all.len() == limits::TEXTURES {
-                return Err((check.start(name), too_many("textures", limits::TEXTURES)));
-            }
-            texture_names.insert(name.get_ref().clone(), textures.all.len());
-            let texture = fields.read(check, self.folder, name, &mut textures.allowed)?;
-            textures.all.push(Arc::new(texture));
-        }
+        let texture_names: HashMap<_, _> = texture_names.into_iter().zip(0..).collect();
         let texture = |name: &Spanned<String>| {
-            let place = texture_names.get(name.get_ref()).copied();
+            let place = texture_names.get(name.get_ref().as_str()).copied();
             place.ok_or_else(|| {
                 let name_there = excerpt(name.get_ref().as_bytes());
                 (check.start(name), Problem::UnknownTexture(name_there))

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use ::toml::Spanned;
 use embedded_graphics::pixelcolor::{Rgb565, Rgb888, RgbColor};
@@ -67,6 +68,24 @@ pub(super) fn in_order<T>(table: &HashMap<Spanned<String>, T>) -> Vec<(&Spanned<
     let mut entries: Vec<_> = table.iter().collect();
     entries.sort_by_key(|(name, _)| name.span().start);
     entries
+}
+
+/// All textures of a file by name, in its order. Takes their pixels from those that the file may have.
+pub(super) fn read_all<'a>(
+    table: &'a HashMap<Spanned<String>, TextureFields>,
+    check: &Checker<'_>,
+    folder: &Path,
+    allowed: &mut usize,
+) -> Result<Vec<(&'a str, Arc<Texture>)>, Located> {
+    let mut textures = Vec::new();
+    for (name, fields) in in_order(table) {
+        if textures.len() == limits::TEXTURES {
+            return Err((check.start(name), too_many("textures", limits::TEXTURES)));
+        }
+        let texture = fields.read(check, folder, name, allowed)?;
+        textures.push((name.get_ref().as_str(), Arc::new(texture)));
+    }
+    Ok(textures)
 }
 
 /// A texture's pixels, `None` where they are transparent, and their number.

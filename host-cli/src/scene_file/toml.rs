@@ -12,7 +12,7 @@ use serde::{Deserialize, Deserializer};
 use whitted::area::Samples;
 
 use super::limits::{self, Range};
-use super::texture::{Texture, TextureFields, in_order};
+use super::texture::{Texture, TextureFields, read_all};
 use super::{
     Area, Camera, DEFAULT_DEPTH, Extent, General, Group, Instance, Lens, Light, Located, Material,
     Object, Pattern, Place, Problem, Quadric, SceneError, SceneFile, Shape, Solid, at, solid,
@@ -999,16 +999,9 @@ impl Document {
             let place = check.places.start(materials[limits::MATERIALS].0);
             return Err((place, too_many("materials", limits::MATERIALS)));
         }
-        if self.texture.len() > limits::TEXTURES {
-            let place = check.start(in_order(&self.texture)[limits::TEXTURES].0);
-            return Err((place, too_many("textures", limits::TEXTURES)));
-        }
         let folder = file.path.parent().unwrap_or(Path::new(""));
-        let (mut textures, mut allowed) = (Vec::new(), limits::TEXELS);
-        for (name, fields) in in_order(&self.texture) {
-            let texture = fields.read(check, folder, name, &mut allowed)?;
-            textures.push((name.get_ref().as_str(), Arc::new(texture)));
-        }
+        let textures = read_all(&self.texture, check, folder, &mut { limits::TEXELS })?;
+        let textures = textures.into_iter().collect();
         let mut names = HashMap::new();
         for (name, fields) in materials {
             let material = fields.read(check, name, &textures)?;
@@ -1348,7 +1341,7 @@ impl MaterialFields {
         &self,
         check: &Checker<'_>,
         name: &Spanned<String>,
-        textures: &[(&str, Arc<Texture>)],
+        textures: &HashMap<&str, Arc<Texture>>,
     ) -> Result<Material, Located> {
         use Range::{Brightness, Exponent, Refraction, Share};
         let transmittance = check.real_or("the transmittance", &self.transmittance, Share, 0.0)?;
@@ -1386,7 +1379,7 @@ impl MaterialFields {
         &self,
         check: &Checker<'_>,
         name: &Spanned<String>,
-        textures: &[(&str, Arc<Texture>)],
+        textures: &HashMap<&str, Arc<Texture>>,
     ) -> Result<Option<Pattern>, Located> {
         let colors = |[a, b]: &[Point; 2]| {
             let color = |it| check.triple("a component of a colour", it, Range::Brightness);
@@ -1429,7 +1422,7 @@ impl MaterialFields {
                     repeat,
                     blend,
                 } = image.get_ref();
-                let found = textures.iter().find(|it| it.0 == wanted.get_ref());
+                let found = textures.get(wanted.get_ref().as_str());
                 let texture = found.ok_or_else(|| {
                     let name = excerpt(wanted.get_ref().as_bytes());
                     (check.start(wanted), Problem::UnknownTexture(name))
@@ -1443,7 +1436,7 @@ impl MaterialFields {
                     }
                 }
                 Ok(Some(Pattern::Image {
-                    texture: texture.1.clone(),
+                    texture: texture.clone(),
                     repeat: copies,
                     blend: *blend,
                 }))
@@ -1463,6 +1456,7 @@ pub(super) fn too_many(what: &'static str, limit: usize) -> Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene_file::texture::in_order;
 
     fn read(text: &str) -> Result<SceneFile, String> {
         parse(Path::new("t.toml"), text).map_err(|it| it.to_string())
