@@ -522,11 +522,8 @@ mod tests {
             depth: 5,
             cells: b"\0\x01\x01\x01\0\x01\0\0\0\x01\x01\0\0\0\x01\x01\0\0\0\x01\0\x01\x01\x01\0",
         };
-        let mut state = 1_u32;
-        let mut next = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / 16_777_216.0
-        };
+        let mut numbers = crate::random::numbers(1);
+        let mut next = || 0.5 + 0.5 * numbers.next().unwrap();
         for round in 0..40_000 {
             let origin = at(1.0 + 3.0 * next(), 1.0 + 3.0 * next());
             let corner = [at(1.0, 1.0), at(4.0, 1.0), at(1.0, 4.0), at(4.0, 4.0)][round % 4];

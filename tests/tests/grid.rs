@@ -327,6 +327,27 @@ fn compare<'a, G: Plan<'a>>(
     }
 }
 
+/// Views from round the corner of a cell, and one from anywhere in it, to anywhere.
+fn views_near(random: &mut Random, [x, z]: [usize; 2], round: usize) -> Vec<View> {
+    let (x, z) = (x as f32, z as f32);
+    let eyes = [
+        Vec3::new(x + 0.5, 0.5, z + 0.5),
+        Vec3::new(x, 0.5, z + 0.5),
+        Vec3::new(x + 0.25, 0.25, z),
+        Vec3::new(x, 0.75, z),
+    ];
+    let mut views = views(eyes[round % 4]);
+    let eye = Vec3::new(x + random.unit() as f32, 0.4, z + random.unit() as f32);
+    let to = random.direction();
+    let to = Vec3::new(to.0[0] as f32, 0.0, to.0[2] as f32);
+    views.push(View {
+        camera: Camera::look_at(eye, eye + to, Vec3::Y, 0.75, 4.0 / 3.0).unwrap(),
+        width: 40,
+        height: 30,
+    });
+    views
+}
+
 #[test]
 fn columns_show_the_walls_that_traced_rays_meet() {
     let mut random = random("views");
@@ -338,26 +359,9 @@ fn columns_show_the_walls_that_traced_rays_meet() {
         for place in [x, x - 1].into_iter().flat_map(|x| [[x, z], [x, z - 1]]) {
             cells[place[1] * SIDE + place[0]] = 0;
         }
-        let (x, z) = (x as f32, z as f32);
-        let eyes = [
-            Vec3::new(x + 0.5, 0.5, z + 0.5),
-            Vec3::new(x, 0.5, z + 0.5),
-            Vec3::new(x + 0.25, 0.25, z),
-            Vec3::new(x, 0.75, z),
-        ];
-        for view in views(eyes[round % 4]) {
+        for view in views_near(&mut random, [x, z], round) {
             compare(&plain(grid_of(&cells)), &view, &mut compared);
         }
-        let eye = Vec3::new(x + random.unit() as f32, 0.4, z + random.unit() as f32);
-        let to = random.direction();
-        let to = Vec3::new(to.0[0] as f32, 0.0, to.0[2] as f32);
-        let camera = Camera::look_at(eye, eye + to, Vec3::Y, 0.75, 4.0 / 3.0).unwrap();
-        let view = View {
-            camera,
-            width: 40,
-            height: 30,
-        };
-        compare(&plain(grid_of(&cells)), &view, &mut compared);
     }
     assert!(compared.at_corners > 1000, "{compared:?}");
     assert!(
@@ -384,26 +388,9 @@ fn columns_show_the_doors_that_traced_rays_meet() {
             first: 2,
             doors: &doors,
         };
-        let (x, z) = (x as f32, z as f32);
-        let eyes = [
-            Vec3::new(x + 0.5, 0.5, z + 0.5),
-            Vec3::new(x, 0.5, z + 0.5),
-            Vec3::new(x + 0.25, 0.25, z),
-            Vec3::new(x, 0.75, z),
-        ];
-        for view in views(eyes[round % 4]) {
+        for view in views_near(&mut random, [x, z], round) {
             compare(&plain(plan), &view, &mut compared);
         }
-        let eye = Vec3::new(x + random.unit() as f32, 0.4, z + random.unit() as f32);
-        let to = random.direction();
-        let to = Vec3::new(to.0[0] as f32, 0.0, to.0[2] as f32);
-        let camera = Camera::look_at(eye, eye + to, Vec3::Y, 0.75, 4.0 / 3.0).unwrap();
-        let view = View {
-            camera,
-            width: 40,
-            height: 30,
-        };
-        compare(&plain(plan), &view, &mut compared);
     }
     assert!(compared.doors > 2000, "{compared:?}");
     assert!(
