@@ -5,7 +5,7 @@ use std::sync::Arc;
 use whitted::pattern::{Bilinear, Filter, HighColor, Image, Nearest, Spot};
 use whitted::{Checker, ImageMap, Stripes, Varying, Vec3, columns};
 
-use crate::scene::color;
+use crate::scene::{Units, color};
 use crate::scene_file::texture::{Bitmap, HighBitmap, Texture};
 use crate::scene_file::{self, Scale, direction};
 
@@ -60,13 +60,14 @@ impl Paint {
         }
     }
 
-    /// Repeats an image as often over lengths that are cast at this scale: u or v, which count lengths.
-    pub(crate) fn count_lengths(&mut self, [across, along]: [bool; 2], scale: Scale) {
+    /// Repeats an image as often over lengths, which are cast at this scale.
+    pub(crate) fn count_lengths(&mut self, units: Units, scale: Scale) {
         if let Self::Image { repeat: (u, v), .. } = self {
-            for (counts, copies) in [(across, u), (along, v)] {
-                if counts {
-                    *copies = scale.per_length(f64::from(*copies));
-                }
+            let scaled = |copies: &mut f32| *copies = scale.per_length(f64::from(*copies));
+            match units {
+                Units::Shares => {}
+                Units::Height => scaled(v),
+                Units::Lengths => [u, v].into_iter().for_each(scaled),
             }
         }
     }

@@ -4,7 +4,6 @@
 //! is one type with every primitive and every term of the lighting model.
 
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 
 use glam::Vec3;
 use whitted::area::{Disk, Outline, Rect, Samples};
@@ -110,8 +109,8 @@ pub struct Pool {
     scale: Scale,
     /// Different ones only.
     materials: Vec<Material>,
-    /// For each material of the file, which of these it is where images [count lengths](in_lengths).
-    material_of: HashMap<(usize, [bool; 2]), usize>,
+    /// For each material of the file, which of these it is: by [`Units`], and `None` where no shape has those.
+    material_of: Vec<[Option<usize>; 3]>,
     vertices: Vec<Vec3>,
     /// For each object of the file that is a polygon, in order, where its vertices end.
     ends: Vec<usize>,
@@ -124,30 +123,27 @@ impl Pool {
         let mut pool = Self {
             scale,
             materials: Vec::new(),
-            material_of: HashMap::new(),
+            material_of: Vec::with_capacity(file.materials.len()),
             vertices: Vec::new(),
             ends: Vec::new(),
         };
         let mut known = HashMap::new();
-        let mut add = |index: usize, in_lengths| {
+        let mut add = |index: usize, units: Units| {
             let mut material = self::material(&file.materials[index], scale);
-            material.color.count_lengths(in_lengths, scale);
+            material.color.count_lengths(units, scale);
             *known.entry(bits(&material)).or_insert_with(|| {
                 pool.materials.push(material);
                 pool.materials.len() - 1
             })
         };
         for index in 0..file.materials.len() {
-            let place = add(index, [false; 2]);
-            pool.material_of.insert((index, [false; 2]), place);
+            let place = add(index, Units::Shares);
+            pool.material_of.push([Some(place), None, None]);
         }
         for object in file.all_objects() {
-            let key = (object.material, in_lengths(&object.shape));
-            if let Entry::Vacant(entry) = pool.material_of.entry(key) {
-                entry.insert(add(key.0, key.1));
-            }
-        }
-        for object in file.all_objects() {
+            let units = Units::of(&object.shape);
+            pool.material_of[object.material][units as usize]
+                .get_or_insert_with(|| add(object.material, units));
             if let Shape::Polygon { vertices } = &object.shape {
                 let vertices = vertices.iter().map(|&it| scale.point(it));
                 pool.vertices.extend(vertices);
@@ -184,12 +180,24 @@ pub(crate) fn material(file: &scene_file::Material, scale: Scale) -> Material {
     }
 }
 
-/// Whether u and v are lengths on a shape, as [`whitted::Shape::uv`] has them.
-fn in_lengths(shape: &Shape) -> [bool; 2] {
-    match shape {
-        Shape::Plane { .. } | Shape::Polygon { .. } => [true; 2],
-        Shape::Quadric { form, .. } => [false, form.is_endless()],
-        _ => [false; 2],
+/// What u and v are on a shape, as [`whitted::Shape::uv`] has them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Units {
+    /// Shares of its extent.
+    Shares,
+    /// Of v, lengths.
+    Height,
+    /// Of both.
+    Lengths,
+}
+
+impl Units {
+    fn of(shape: &Shape) -> Self {
+        match shape {
+            Shape::Plane { .. } | Shape::Polygon { .. } => Self::Lengths,
+            Shape::Quadric { form, .. } if form.is_endless() => Self::Height,
+            _ => Self::Shares,
+        }
     }
 }
 
@@ -457,8 +465,9 @@ impl<'a> Content<'a> {
         let mut origins: [Vec<&'a scene_file::Object>; 9] = Default::default();
         for object in objects {
             let place = object.place;
-            let key = (object.material, in_lengths(&object.shape));
-            let material = &pool.materials[pool.material_of[&key]];
+            let units = Units::of(&object.shape);
+            let place_of = pool.material_of[object.material][units as usize];
+            let material = &pool.materials[place_of.expect("the pool was made for these objects")];
             if let Paint::Image { repeat, .. } = material.color
                 && !(repeat.0.is_finite() && repeat.1.is_finite())
             {

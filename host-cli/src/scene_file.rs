@@ -323,14 +323,15 @@ impl Shape {
 impl SceneFile {
     /// An error where what a pattern repeats vanishes, or has no end, at the scale at which the scene is cast.
     fn check_patterns(&self) -> Result<(), Located> {
-        let scale = self.scale();
+        // Found out only where there is one: all objects are looked at.
+        let mut scale = None;
         for material in &self.materials {
             let (Some(Pattern::Checker { size, .. }) | Some(Pattern::Stripes { size, .. })) =
                 material.pattern
             else {
                 continue;
             };
-            let cast = scale.length(size);
+            let cast = scale.get_or_insert_with(|| self.scale()).length(size);
             if !(cast > 0.0 && cast.is_finite()) {
                 let problem = "what a pattern repeats is out of all proportion to the scene";
                 return Err((material.place, Problem::Contradiction(problem)));

@@ -22,6 +22,16 @@ fn is_other(point: Vec3) -> bool {
     (x ^ z) & 1 == 1
 }
 
+impl<M> Checkerboard<'_, M> {
+    /// Where a ray meets the plane.
+    #[inline(always)]
+    fn meet<P: Math>(&self, ray: &Ray, first: usize) -> Option<f32> {
+        let [tiles] = &self.tiles;
+        let leaving = ray.leaves(first);
+        tiles.shape.intersect::<P>(ray, &Plane::setup(ray), leaving)
+    }
+}
+
 impl<M> Geometry for Checkerboard<'_, M> {
     type Material = M;
 
@@ -33,10 +43,7 @@ impl<M> Geometry for Checkerboard<'_, M> {
     #[inline(always)]
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, among: Candidates) -> Option<usize> {
         let _ = among;
-        let [tiles] = &self.tiles;
-        ray.t_max = tiles
-            .shape
-            .intersect::<P>(ray, &Plane::setup(ray), ray.leaves(first))?;
+        ray.t_max = self.meet::<P>(ray, first)?;
         Some(first)
     }
 
@@ -62,11 +69,7 @@ impl<M> Geometry for Checkerboard<'_, M> {
     #[inline(always)]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, among: Candidates) -> bool {
         let _ = among;
-        let [tiles] = &self.tiles;
-        tiles
-            .shape
-            .intersect::<P>(ray, &Plane::setup(ray), ray.leaves(first))
-            .is_some()
+        self.meet::<P>(ray, first).is_some()
     }
 
     #[inline(always)]
