@@ -1,11 +1,11 @@
-//! Finds out whether the target has a square root instruction that stable Rust does not announce, and
-//! whether it computes with floats at all.
+//! Finds out whether the target has a square root instruction that stable Rust does not announce,
+//! whether it computes with floats at all, and whether it multiplies to 64 bits.
 //!
 //! The RISC-V `f` feature is not in `cfg(target_feature)` on stable; the target's name spells it out.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rustc-check-cfg=cfg(riscv_f, soft_float)");
+    println!("cargo::rustc-check-cfg=cfg(riscv_f, soft_float, narrow_multiply)");
     let target = std::env::var("TARGET").unwrap_or_default();
     let architecture = target.split('-').next().unwrap_or_default();
     let extensions = architecture
@@ -22,5 +22,9 @@ fn main() {
     let riscv_without = architecture.starts_with("riscv") && !letters.contains(['f', 'g']);
     if (arm_without || riscv_without) && target.contains("-none-") {
         println!("cargo::rustc-cfg=soft_float");
+    }
+    // The least of Cortex-M have a 32-bit product and no root.
+    if ["thumbv6m", "thumbv8m.base"].contains(&architecture) {
+        println!("cargo::rustc-cfg=narrow_multiply");
     }
 }
