@@ -158,8 +158,8 @@ impl Axis {
 /// vertex alone, whichever outline it belongs to. `depth` is the axis to which the ray is closest.
 ///
 /// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013; but all is
-/// scaled by the direction along `depth`, which decides nothing and takes no division. Where speed
-/// counts, code for each axis takes the place of the paper's permutation: callers name a constant.
+/// scaled by the direction along `depth`, which decides nothing and takes no division. Code of its own for
+/// each axis would make a scene with a polygon 4 % faster on a Cortex-M4F, and 440 bytes longer.
 #[inline(always)]
 fn shear(ray: &Ray, across: Axis, depth: Axis, vertex: &Vec3) -> f32 {
     let (origin, direction) = (&ray.origin, &ray.direction);
@@ -291,12 +291,7 @@ impl Shape for Polygon<'_> {
         if leaving.is_some() {
             return None;
         }
-        let meets = match axis {
-            Axis::X => meets(ray, Axis::X, self.vertices),
-            Axis::Y => meets(ray, Axis::Y, self.vertices),
-            Axis::Z => meets(ray, Axis::Z, self.vertices),
-        };
-        if meets {
+        if meets(ray, axis, self.vertices) {
             distance(ray, axis, self.vertices, self.normal)
         } else {
             None

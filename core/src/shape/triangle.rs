@@ -33,12 +33,7 @@ impl Triangle {
 /// Distance to the plane of a triangle where the ray passes within its outline.
 #[inline(never)]
 pub(super) fn intersect(ray: &Ray, axis: Axis, vertices: &[Vec3; 3], normal: Vec3) -> Option<f32> {
-    let meets = match axis {
-        Axis::X => meets(ray, Axis::X, vertices),
-        Axis::Y => meets(ray, Axis::Y, vertices),
-        Axis::Z => meets(ray, Axis::Z, vertices),
-    };
-    if meets {
+    if meets(ray, axis, vertices) {
         distance(ray, axis, vertices, normal)
     } else {
         None
