@@ -137,7 +137,7 @@ pub trait Geometry {
         let object = self.nearest::<P>(&mut nearest, 0, among)?;
         let t = nearest.t_max;
         let (outward, material) = self.surface::<P>(ray, t, object, 0)?;
-        let front = dot(&outward, &ray.direction) <= 0.0;
+        let front = math::decided(dot(&outward, &ray.direction) <= 0.0);
         Some(Hit {
             t,
             point: ray.at(t),
@@ -273,7 +273,7 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
 
     #[inline]
     fn nearest<P: Math>(&self, ray: &mut Ray, first: usize, _: Candidates) -> Option<usize> {
-        nearest_of::<_, _, P>(self, self.iter(), ray, first)
+        nearest_of::<_, _, P>(self, math::rolled(self), ray, first)
     }
 
     #[inline]
@@ -304,7 +304,7 @@ impl<S: Shape, M> Geometry for [Object<'_, S, M>] {
 
     #[inline]
     fn blocks<P: Math>(&self, ray: &Ray, first: usize, _: Candidates) -> bool {
-        any_blocks::<_, _, P>(self, self.iter(), ray, first)
+        any_blocks::<_, _, P>(self, math::rolled(self), ray, first)
     }
 
     #[inline]

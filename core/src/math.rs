@@ -34,7 +34,7 @@ pub trait Math: 'static {
     #[cfg_attr(soft_float, inline(never))]
     #[cfg_attr(not(soft_float), inline)]
     fn normalize(v: Vec3) -> Vec3 {
-        v * Self::sqrt_and_recip(length_squared(&v)).1
+        scale(&v, Self::sqrt_and_recip(length_squared(&v)).1)
     }
 }
 
@@ -155,7 +155,7 @@ pub fn sqrt(x: f32) -> f32 {
     }
 }
 
-/// The square root, correctly rounded, in integers: a fifth of what `libm` takes with its table, and
+/// The square root, correctly rounded, in integers: a quarter of what `libm` takes with its table, and
 /// faster where no instruction multiplies to 64 bits.
 #[cfg(any(narrow_multiply, test))]
 #[cfg_attr(narrow_multiply, inline(never))]
@@ -261,6 +261,29 @@ pub(crate) fn forget<T>(x: *const T) -> *const T {
     }
     #[cfg(not(all(target_os = "none", any(target_arch = "arm", target_arch = "riscv32"))))]
     x
+}
+
+/// The outcome of a comparison that is used in many places. Where comparing floats is a call, LLVM would
+/// compare anew in each.
+#[inline(always)]
+pub(crate) fn decided(x: bool) -> bool {
+    #[cfg(soft_float)]
+    let x = forget(core::ptr::without_provenance::<()>(x as usize)).addr() != 0;
+    x
+}
+
+/// The objects of a slice, for a loop over them.
+///
+/// Where each float operation is a call, the loop looks short, and LLVM unrolls it where it knows how long
+/// the slice is.
+#[inline(always)]
+pub(crate) fn rolled<T>(slice: &[T]) -> core::slice::Iter<'_, T> {
+    #[cfg(soft_float)]
+    if slice.len() > 1 {
+        let length = forget(core::ptr::without_provenance::<()>(slice.len())).addr();
+        return slice.get(..length).unwrap_or_default().iter();
+    }
+    slice.iter()
 }
 
 /// `x` to a whole power by repeated squaring; at most 32 rounds.
@@ -600,6 +623,20 @@ pub fn dot(a: &Vec3, b: &Vec3) -> f32 {
     a.dot(*b)
 }
 
+/// `a - b`; like [`dot`], one call where each float operation is one.
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline(always))]
+pub(crate) fn sub(a: &Vec3, b: &Vec3) -> Vec3 {
+    *a - *b
+}
+
+/// `v` times a number; like [`dot`], one call where each float operation is one.
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline(always))]
+pub(crate) fn scale(v: &Vec3, factor: f32) -> Vec3 {
+    *v * factor
+}
+
 /// The dot product of a vector with itself.
 #[inline(always)]
 pub fn length_squared(v: &Vec3) -> f32 {
@@ -609,7 +646,17 @@ pub fn length_squared(v: &Vec3) -> f32 {
 /// The larger of `x` and zero; zero for NaN.
 #[inline(always)]
 pub fn positive(x: f32) -> f32 {
-    if x > 0.0 { x } else { 0.0 }
+    if is_positive(x) { x } else { 0.0 }
+}
+
+/// Whether `x` is above zero; not where it is NaN. Where comparing floats is a call, bits tell.
+#[inline(always)]
+pub(crate) fn is_positive(x: f32) -> bool {
+    if cfg!(soft_float) {
+        x.to_bits().wrapping_sub(1) < f32::INFINITY.to_bits()
+    } else {
+        x > 0.0
+    }
 }
 
 /// The largest component.
@@ -624,7 +671,7 @@ pub(crate) fn max_component(v: Vec3) -> f32 {
 #[cfg_attr(soft_float, inline(never))]
 #[cfg_attr(not(soft_float), inline)]
 pub fn renormalize(v: Vec3) -> Vec3 {
-    v * (1.5 - 0.5 * length_squared(&v))
+    scale(&v, 1.5 - 0.5 * length_squared(&v))
 }
 
 /// `direction` mirrored at a surface with this unit normal; unit length but for rounding, which
@@ -632,7 +679,7 @@ pub fn renormalize(v: Vec3) -> Vec3 {
 #[cfg_attr(soft_float, inline(never))]
 #[cfg_attr(not(soft_float), inline)]
 pub fn mirror(direction: Vec3, normal: Vec3) -> Vec3 {
-    direction - normal * (2.0 * dot(&direction, &normal))
+    sub(&direction, &scale(&normal, 2.0 * dot(&direction, &normal)))
 }
 
 /// `direction` refracted by Snell's law, unit length; `None` for total internal reflection.

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::math;
+
 /// A half-line, up to `t_max`, and the surface that it leaves, if it leaves one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
@@ -56,9 +58,10 @@ impl Ray {
     }
 
     /// Whether `t` lies in the open interval from 0 to `t_max`; false for NaN.
-    #[inline(always)]
+    #[cfg_attr(soft_float, inline(never))]
+    #[cfg_attr(not(soft_float), inline(always))]
     pub fn admits(&self, t: f32) -> bool {
-        t > 0.0 && t < self.t_max
+        math::is_positive(t) && t < self.t_max
     }
 
     /// `t` where the ray [admits](Self::admits) it.

@@ -280,20 +280,20 @@ impl<const DEPTH: usize, P: Math, C: Count> Tracer<DEPTH, P, C> {
             0,
         );
         for source in scene.lights {
-            let to_light = source.position() - hit.point;
+            let to_light = math::sub(&source.position(), &hit.point);
             let height = dot(&hit.normal, &to_light);
             // Also false for NaN, and for a light at the point itself.
-            if !(height > 0.0) {
+            if !math::is_positive(height) {
                 continue;
             }
             let (distance, recip) = P::sqrt_and_recip(length_squared(&to_light));
-            let direction = to_light * recip;
+            let direction = math::scale(&to_light, recip);
             // No shadow ray for what cannot be seen, and no power for what lies in shadow.
             let cos = dot(&mirrored, &direction);
             let diffuse = material.diffuse() * (height * recip);
             // A bound from scalars: see `threshold`. Lights are taken not to be black.
             let seen = if self.threshold == 0.0 {
-                diffuse > 0.0 || material.highlight().peak(cos) > 0.0
+                math::is_positive(diffuse) || math::is_positive(material.highlight().peak(cos))
             } else {
                 let weight = throughput.weigh(source.color());
                 let most = (diffuse + material.highlight().peak(cos)) * weight.element_sum();

@@ -5,7 +5,7 @@ use core::fmt;
 use glam::Vec3;
 
 use super::{Closed, Shape, within};
-use crate::math::Math;
+use crate::math::{self, Math};
 use crate::ray::{Ray, Side};
 
 /// All points of the surface of an axis-aligned box, edges and corners included.
@@ -172,8 +172,8 @@ impl Shape for Cuboid {
         // The hit's distance is, to the bit, that of the face that was met; of equal ones, that of the
         // first axis.
         let (o, d, reciprocal) = (ray.origin, ray.direction, ray.direction.recip());
-        let to_min = (self.min - o) * reciprocal;
-        let to_max = (self.max - o) * reciprocal;
+        let to_min = math::sub(&self.min, &o) * reciprocal;
+        let to_max = math::sub(&self.max, &o) * reciprocal;
         let faces = [
             (to_min.x == t && d.x != 0.0, Vec3::NEG_X),
             (to_max.x == t && d.x != 0.0, Vec3::X),

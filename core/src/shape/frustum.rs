@@ -115,19 +115,19 @@ impl Frustum {
             return (None, None);
         }
         // As for the sphere, the origin moves to where the ray is closest, here to the base.
-        let to_base = self.base - ray.origin;
+        let to_base = math::sub(&self.base, &ray.origin);
         let approach = if leaving.is_some() {
             0.0
         } else {
             dot(&to_base, &ray.direction)
         };
-        let from_base = ray.direction * approach - to_base;
+        let from_base = math::sub(&math::scale(&ray.direction, approach), &to_base);
         // Along the axis, across it, and the radius there; then how these change along the ray.
         let along = dot(&from_base, &self.axis);
-        let across = from_base - self.axis * along;
+        let across = math::sub(&from_base, &math::scale(&self.axis, along));
         let radius = self.base_radius + self.slope * along;
         let along_rate = dot(&ray.direction, &self.axis);
-        let across_rate = ray.direction - self.axis * along_rate;
+        let across_rate = math::sub(&ray.direction, &math::scale(&self.axis, along_rate));
         let radius_rate = self.slope * along_rate;
         // a t² + 2 b t + c = 0.
         let a = length_squared(&across_rate) - radius_rate * radius_rate;
@@ -136,7 +136,10 @@ impl Frustum {
             (0.0, if b < 0.0 { -b } else { b })
         } else {
             // b² - a c without its cancellation, by Lagrange's identity.
-            let growth = across_rate * radius - across * radius_rate;
+            let growth = math::sub(
+                &math::scale(&across_rate, radius),
+                &math::scale(&across, radius_rate),
+            );
             let twist = across.cross(across_rate);
             let discriminant = length_squared(&growth) - length_squared(&twist);
             // Also true for NaN.
@@ -203,8 +206,9 @@ impl Shape for Frustum {
 
     #[inline]
     fn normal<P: Math>(&self, ray: &Ray, t: f32) -> Vec3 {
-        let from_base = ray.at(t) - self.base;
-        let across = from_base - self.axis * dot(&from_base, &self.axis);
+        let from_base = math::sub(&ray.at(t), &self.base);
+        let along = dot(&from_base, &self.axis);
+        let across = math::sub(&from_base, &math::scale(&self.axis, along));
         let square = length_squared(&across);
         // Also true for NaN. At the tip of a cone there is no direction across the axis.
         if !(square > 0.0) {

@@ -60,7 +60,7 @@ impl Plane {
 #[cfg_attr(not(soft_float), inline(always))]
 pub(super) fn approach(ray: &Ray, point: Vec3, normal: Vec3) -> (f32, f32) {
     (
-        dot(&normal, &(point - ray.origin)),
+        dot(&normal, &math::sub(&point, &ray.origin)),
         dot(&normal, &ray.direction),
     )
 }

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::{Closed, Shape, mapping, within};
 use crate::candidates::Beam;
-use crate::math::{Math, dot, length_squared};
+use crate::math::{self, Math, dot, length_squared};
 use crate::ray::{Ray, Side};
 
 /// All points at `radius` from `center`.
@@ -63,7 +63,7 @@ impl Sphere {
         // The origin moves to the ray's closest approach before anything is squared, and the small
         // quadratic is solved there: I. Wald, "Improving Numerical Precision in Intersection
         // Programs", Ray Tracing Gems II (2021), ch. 34.
-        let to_center = self.center - ray.origin;
+        let to_center = math::sub(&self.center, &ray.origin);
         let approach = dot(&to_center, &ray.direction);
         let distance_squared = length_squared(&to_center);
         let radius_squared = self.radius * self.radius;
@@ -75,7 +75,7 @@ impl Sphere {
         if approach * approach < clearance || (AHEAD && approach < 0.0 && clearance > 0.0) {
             return None;
         }
-        let miss = ray.direction * approach - to_center;
+        let miss = math::sub(&math::scale(&ray.direction, approach), &to_center);
         let along = dot(&miss, &ray.direction);
         let half_chord_squared = radius_squared - length_squared(&miss) + along * along;
         // Also false for NaN. What has no radius has no surface.
@@ -96,7 +96,7 @@ impl Sphere {
     fn chord(&self, ray: &Ray, side: Side) -> Option<f32> {
         // Where only the inside is visible, that is the outward side.
         if (side == Side::Inside) == self.shows_outside() {
-            ray.admitted(2.0 * dot(&(self.center - ray.origin), &ray.direction))
+            ray.admitted(2.0 * dot(&math::sub(&self.center, &ray.origin), &ray.direction))
         } else {
             None
         }
@@ -110,7 +110,7 @@ impl Sphere {
         }
         // The entry is never the farther one: where it is not before the end, nor is the exit.
         let (entry, exit) = self.roots::<P, AHEAD>(ray)?;
-        let enters = entry > 0.0 && self.shows_outside();
+        let enters = math::is_positive(entry) && self.shows_outside();
         ray.admitted(if enters { entry } else { exit })
     }
 
@@ -163,7 +163,7 @@ impl Shape for Sphere {
     fn inside<P: Math>(&self, ray: &Ray, _: &(), leaving: Option<Side>) -> f32 {
         if let Some(side) = leaving {
             // Of a hollow one the inside is the outward side.
-            let chord = 2.0 * dot(&(self.center - ray.origin), &ray.direction);
+            let chord = 2.0 * dot(&math::sub(&self.center, &ray.origin), &ray.direction);
             let enters = side == Side::Inside && self.shows_outside();
             return if enters { within(ray, 0.0, chord) } else { 0.0 };
         }
@@ -186,7 +186,7 @@ impl Shape for Sphere {
     #[inline(always)]
     fn normal<P: Math>(&self, ray: &Ray, t: f32) -> Vec3 {
         // Not divided by the radius: seen from far, the point is off the surface by its own rounding.
-        let outward = P::normalize(ray.at(t) - self.center);
+        let outward = P::normalize(math::sub(&ray.at(t), &self.center));
         if self.shows_outside() {
             outward
         } else {
