@@ -306,6 +306,7 @@ fn powi(mut x: f32, mut n: u32) -> f32 {
 ///
 /// The significand is moved to [√½, √2) and log2((1+s)/(1-s)) expanded in odd powers of s: relative
 /// error 1.2e-7 also near x = 1, where powers with a large exponent are sensitive.
+#[cfg_attr(soft_float, inline(never))]
 fn log2(x: f32) -> f32 {
     const SQRT_HALF_BITS: u32 = 0x3f35_04f3;
     let offset = x.to_bits().wrapping_sub(SQRT_HALF_BITS);
@@ -318,6 +319,7 @@ fn log2(x: f32) -> f32 {
 
 /// 2 to the power of `x`, for `x` up to 127; zero below -126. Relative error 2e-7, by a minimax
 /// polynomial that is exactly 1 at 0.
+#[cfg_attr(soft_float, inline(never))]
 #[allow(clippy::approx_constant)]
 fn exp2(x: f32) -> f32 {
     // Rounding by addition: beyond 2^22 all fractions are gone.

@@ -78,7 +78,8 @@ impl Cuboid {
 ///
 /// A ray along the planes is always between them or never: dividing by its zero would make 0/0 of an
 /// origin that lies on one of them.
-#[inline(always)]
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline(always))]
 pub(super) fn slab(
     origin: f32,
     direction: f32,

@@ -160,7 +160,8 @@ impl Axis {
 /// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013; but all is
 /// scaled by the direction along `depth`, which decides nothing and takes no division. Code of its own for
 /// each axis would make a scene with a polygon 4 % faster on a Cortex-M4F, and 440 bytes longer.
-#[inline(always)]
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline(always))]
 fn shear(ray: &Ray, across: Axis, depth: Axis, vertex: &Vec3) -> f32 {
     let (origin, direction) = (&ray.origin, &ray.direction);
     let offset = (
@@ -217,7 +218,8 @@ fn meets(ray: &Ray, depth: Axis, vertices: &[Vec3]) -> bool {
 /// Edge-on, the plane's equation says little about the distance, and the point could lie far outside the
 /// outline. The axis to which the ray is closest always tells it well; so what is met lies within the box
 /// round the vertices, and hierarchies of boxes lose nothing.
-#[inline(always)]
+#[cfg_attr(soft_float, inline(never))]
+#[cfg_attr(not(soft_float), inline(always))]
 pub(super) fn distance(ray: &Ray, axis: Axis, vertices: &[Vec3], normal: Vec3) -> Option<f32> {
     const EDGE_ON: f32 = 0.125;
     let (height, rate) = plane::approach(ray, *vertices.first()?, normal);
