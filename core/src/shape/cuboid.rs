@@ -4,6 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
+use super::polygon::Axis;
 use super::{Closed, Shape, within};
 use crate::math::{self, Math};
 use crate::ray::{Ray, Side};
@@ -172,19 +173,17 @@ impl Shape for Cuboid {
     fn normal<P: Math>(&self, ray: &Ray, t: f32) -> Vec3 {
         // The hit's distance is, to the bit, that of the face that was met; of equal ones, that of the
         // first axis.
-        let (o, d, reciprocal) = (ray.origin, ray.direction, ray.direction.recip());
-        let to_min = math::sub(&self.min, &o) * reciprocal;
-        let to_max = math::sub(&self.max, &o) * reciprocal;
-        let faces = [
-            (to_min.x == t && d.x != 0.0, Vec3::NEG_X),
-            (to_max.x == t && d.x != 0.0, Vec3::X),
-            (to_min.y == t && d.y != 0.0, Vec3::NEG_Y),
-            (to_max.y == t && d.y != 0.0, Vec3::Y),
-            (to_min.z == t && d.z != 0.0, Vec3::NEG_Z),
-        ];
-        for (met, normal) in faces {
-            if met {
-                return normal;
+        for axis in [Axis::X, Axis::Y, Axis::Z] {
+            math::keep_rolled();
+            let (origin, direction) = (axis.of(&ray.origin), axis.of(&ray.direction));
+            let reciprocal = 1.0 / direction;
+            if direction != 0.0 {
+                if (axis.of(&self.min) - origin) * reciprocal == t {
+                    return axis.at(-1.0);
+                }
+                if (axis.of(&self.max) - origin) * reciprocal == t {
+                    return axis.at(1.0);
+                }
             }
         }
         Vec3::Z

@@ -103,7 +103,7 @@ impl Shape for Patch {
     #[inline]
     fn normal<P: Math>(&self, ray: &Ray, _: f32) -> Vec3 {
         let vertices = &self.vertices;
-        let [a, b, c] = seen(ray, Axis::along(ray), vertices);
+        let [a, b, c] = Axis::along(ray).apart(|axis| seen(ray, axis, vertices));
         // Twice the areas opposite the vertices, all of one sign within the outline.
         let weights = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
         let sum = weights[0] + weights[1] + weights[2];

@@ -44,12 +44,8 @@ pub(super) fn intersect(ray: &Ray, axis: Axis, vertices: &[Vec3; 3], normal: Vec
 /// cross it are those of the corner that is alone on its side.
 #[inline(always)]
 fn meets(ray: &Ray, depth: Axis, vertices: &[Vec3; 3]) -> bool {
-    let [a, b, c] = vertices;
-    let (a, b, c) = (
-        (a, y(ray, depth, a)),
-        (b, y(ray, depth, b)),
-        (c, y(ray, depth, c)),
-    );
+    // Most rays that miss are told by y alone; what follows needs no code of its own for each axis.
+    let [a, b, c] = depth.apart(|depth| vertices.each_ref().map(|it| (it, y(ray, depth, it))));
     let (alone, first, second) = match (differ(a.1, b.1), differ(b.1, c.1)) {
         (false, false) => return false,
         (false, true) => (c, a, b),
