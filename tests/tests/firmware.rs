@@ -337,7 +337,7 @@ fn goals_are_met() {
     let goals = [
         ("speed", "query", 500),
         ("speed", "matte-shadows", 2048),
-        ("size", "everything", 10240),
+        ("speed", "everything", 10240),
     ];
     for (profile, program, most) in goals {
         let flash = row(rows, profile, "Cortex-M4F", program).flash;
@@ -359,13 +359,18 @@ fn goals_are_met() {
     }
     // A part without FPU, where each float operation is a call; the support library not counted.
     let table = chart::read().unwrap();
-    for (program, most) in [("six-spheres", 136), ("c-ray", 115), ("everything", 130)] {
-        let soft = row(&table, "size", "Cortex-M0", program).flash;
-        let hard = row(&table, "speed", "Cortex-M4F", program).flash;
-        assert!(
-            soft * 100 <= hard * most,
-            "{program}: {soft} to {hard} bytes"
-        );
+    // What little there is without shadows is the camera, the root and what they share, most of all.
+    let little = ["empty", "rays", "query", "matte", "floor"];
+    for hard in &table {
+        let Row { program, flash, .. } = hard;
+        let is_ours = !program.ends_with(&measure::in_c("")) && !little.contains(&program.as_str());
+        if is_ours && (&*hard.profile, &*hard.target) == ("speed", "Cortex-M4F") {
+            let soft = row(&table, "speed", "Cortex-M0", program).flash;
+            assert!(
+                soft * 100 <= flash * 130,
+                "{program}: {soft} to {flash} bytes"
+            );
+        }
     }
     // Bytes of stack: spheres, plane, mirror and glass at depth 5.
     let stack = m4f("spheres-and-plane").stack_bound;
