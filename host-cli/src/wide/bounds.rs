@@ -15,7 +15,8 @@
 //!   its plane, with an error of 4 u, and how far the vertices are off the plane, over the cosine
 //!   between ray and normal. Where that is below 1/8, the kernel keeps the distance between those at
 //!   which the ray is as deep as the vertices, along the axis to which it is closest: only there is
-//!   the point certain to lie within the box.
+//!   the point certain to lie within the box. Along the others it is off the box by no more than the
+//!   ray goes while it is as deep as the outline, its [`spread`].
 
 use glam::{Vec3, Vec3A};
 use whitted::{Cuboid, Frustum, Quadric, Sphere, Torus};
@@ -171,6 +172,13 @@ pub fn of_outline(vertices: &[Vec3], normal: Vec3) -> Option<Bounds> {
         .map(|&vertex| normal.dot(vertex - point).abs())
         .fold(0.0, f32::max);
     bounds.widened(Vec3A::splat(ROUNDING * reach + 8.0 * height))
+}
+
+/// How far along a ray from the box round an outline its kernel may report a hit.
+pub fn spread(bounds: &Bounds) -> f32 {
+    // A unit vector's largest component is at least the reciprocal of the square root of 3.
+    const AT_MOST: f32 = 1.733;
+    AT_MOST * (bounds.max - bounds.min).max_element()
 }
 
 /// At least the sines of the angles between a unit vector and the axes.

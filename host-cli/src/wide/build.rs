@@ -6,7 +6,7 @@
 use glam::Vec3A;
 
 use super::blocks::Kind;
-use super::bounds::Bounds;
+use super::bounds::{self, Bounds};
 
 /// An object to be put into a tree.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +15,16 @@ pub struct Item {
     pub kind: Kind,
     /// Its place in the geometry.
     pub object: u32,
+}
+
+impl Item {
+    /// How far along a ray from its bounds a hit may be reported.
+    pub fn spread(&self) -> f32 {
+        match self.kind {
+            Kind::Triangle | Kind::Quad | Kind::Outline => bounds::spread(&self.bounds),
+            _ => 0.0,
+        }
+    }
 }
 
 /// A node of a binary tree over a slice of items that was reordered for it.

@@ -8,12 +8,14 @@ use super::bounds::{Bounds, FAR, ROUNDING};
 use super::lanes::Lanes;
 use super::rays::fastest;
 
-/// `N` boxes and what is in them: 28 bytes a child.
+/// `N` boxes and what is in them: 32 bytes a child.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Node<const N: usize> {
     /// For each axis the lower and the upper bounds; crossed where there is no child.
     planes: [[[f32; N]; 2]; 3],
+    /// How far from each box a hit may be reported: see [`bounds`](super::bounds).
+    spread: [f32; N],
     pub children: [Child; N],
 }
 
@@ -48,6 +50,19 @@ impl Child {
         Self(Self::BLOCK | (kind as u32) << Self::KIND | index as u32)
     }
 
+    /// What a box holds and its distance, which is not negative, as one number: the less, the nearer.
+    #[inline(always)]
+    pub fn at(self, entry: f32) -> i64 {
+        // Of such numbers the bits are in order, and those of -0 before all.
+        i64::from(entry.to_bits() as i32) << 32 | i64::from(self.0)
+    }
+
+    /// The two again.
+    #[inline(always)]
+    pub fn of(place: i64) -> (f32, Self) {
+        (f32::from_bits((place >> 32) as u32), Self(place as u32))
+    }
+
     #[inline(always)]
     pub fn content(self) -> Content {
         if self.0 & Self::BLOCK == 0 {
@@ -63,24 +78,23 @@ impl<const N: usize> Node<N> {
     /// No box is met, whatever the ray.
     pub const EMPTY: Self = Self {
         planes: [[[f32::INFINITY; N], [f32::NEG_INFINITY; N]]; 3],
+        spread: [0.0; N],
         children: [Child(0); N],
     };
 
-    pub fn set(&mut self, lane: usize, bounds: &Bounds, child: Child) {
+    pub fn set(&mut self, lane: usize, bounds: &Bounds, spread: f32, child: Child) {
         for (axis, [min, max]) in self.planes.iter_mut().enumerate() {
             min[lane] = bounds.min[axis];
             max[lane] = bounds.max[axis];
         }
+        self.spread[lane] = spread;
         self.children[lane] = child;
     }
 
     /// A distance before which the ray meets nothing in each box, and a bit for each box in which it may
     /// meet something up to `limit`.
     ///
-    /// What is `SOLID` is met where its box is. An outline, of which the box is met, is only certain to
-    /// be at a distance at which the box is along the axis to which the ray is closest ([`bounds`]).
-    ///
-    /// [`bounds`]: super::bounds
+    /// What is `SOLID` is met where its box is; hits of outlines are [spread](super::bounds).
     #[inline(always)]
     pub fn meet<S: Simd, V: Lanes<S>, const SOLID: bool>(
         &self,
@@ -89,11 +103,12 @@ impl<const N: usize> Node<N> {
         limit: f32,
     ) -> (V, u32) {
         let [x, y, z] = &self.planes;
-        let (zero, limit) = (V::simd_from(simd, 0.0), V::simd_from(simd, limit));
         let x = terms.x.meet(simd, x);
         let y = terms.y.meet(simd, y);
         let z = terms.z.meet(simd, z);
-        met::<S, V, SOLID>([x, y, z], terms.axis, zero, limit)
+        let spread = || V::from_slice(simd, &self.spread);
+        let limit = V::simd_from(simd, limit);
+        met::<S, V, SOLID>(simd, [x, y, z], terms.axis, spread, limit)
     }
 
     /// For each axis the lower and the upper bounds.
@@ -101,16 +116,24 @@ impl<const N: usize> Node<N> {
     pub fn planes(&self) -> &[[[f32; N]; 2]; 3] {
         &self.planes
     }
+
+    /// How far from each box a hit may be reported.
+    #[inline(always)]
+    pub fn spread(&self) -> &[f32; N] {
+        &self.spread
+    }
 }
 
 /// What [`Node::meet`] returns, from where each axis' planes are entered and left.
 #[inline(always)]
 pub fn met<S: Simd, V: Lanes<S>, const SOLID: bool>(
+    simd: S,
     [x, y, z]: [(V, V); 3],
     axis: usize,
-    zero: V,
+    spread: impl FnOnce() -> V,
     limit: V,
 ) -> (V, u32) {
+    let zero = V::simd_from(simd, 0.0);
     let entry = x.0.max(y.0).max(z.0);
     let exit = x.1.min(y.1).min(z.1);
     if SOLID {
@@ -122,7 +145,10 @@ pub fn met<S: Simd, V: Lanes<S>, const SOLID: bool>(
         1 => y,
         _ => z,
     };
-    let met = entry.simd_le(exit) & near.simd_le(limit) & far.simd_ge(zero);
+    let spread = spread();
+    let near = near.max(entry - spread).max(zero);
+    let far = far.min(exit + spread).min(limit);
+    let met = entry.simd_le(exit) & near.simd_le(far);
     (near, met.to_bitmask() as u32)
 }
 

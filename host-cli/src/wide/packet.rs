@@ -192,11 +192,12 @@ impl<V: Copy> Bundle<V> {
         V: Lanes<S>,
     {
         let [x, y, z] = node.planes();
-        let (zero, limit) = (V::simd_from(simd, 0.0), V::simd_from(simd, limit));
+        let limit = V::simd_from(simd, limit);
         let x = self.x.meet_all(simd, x);
         let y = self.y.meet_all(simd, y);
         let z = self.z.meet_all(simd, z);
-        met::<S, V, SOLID>([x, y, z], self.axis, zero, limit)
+        let spread = || V::from_slice(simd, node.spread());
+        met::<S, V, SOLID>(simd, [x, y, z], self.axis, spread, limit)
     }
 
     /// A bit for each ray that may meet something in one of a node's boxes before its limit.
@@ -212,11 +213,11 @@ impl<V: Copy> Bundle<V> {
         V: Lanes<S>,
     {
         let [x, y, z] = node.planes();
-        let zero = V::simd_from(simd, 0.0);
         let x = self.x.meet_each(simd, x, child);
         let y = self.y.meet_each(simd, y, child);
         let z = self.z.meet_each(simd, z, child);
-        met::<S, V, SOLID>([x, y, z], self.axis, zero, limits).1
+        let spread = || V::simd_from(simd, node.spread()[child]);
+        met::<S, V, SOLID>(simd, [x, y, z], self.axis, spread, limits).1
     }
 }
 

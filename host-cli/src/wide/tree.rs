@@ -157,6 +157,7 @@ impl<const N: usize> Tree<N> {
         binary: &[Binary],
     ) -> bool {
         let collapse = Collapse::<N>::new(binary);
+        let spreads = spreads(items, binary);
         // A node to be filled, which binary one it stands for, and how many boxes may wait when a ray
         // meets it.
         let mut pending = vec![(0, 0, 0)];
@@ -185,7 +186,7 @@ impl<const N: usize> Tree<N> {
                     let kind = items[0].kind;
                     Child::block(kind, self.blocks.push(parts, items))
                 };
-                self.nodes[place].set(lane, &bounds, child);
+                self.nodes[place].set(lane, &bounds, spreads[root], child);
             }
         }
         true
@@ -294,9 +295,9 @@ impl<const N: usize> Tree<N> {
         // The terms stay in memory, from where lanes are loaded for nothing: in vectors, they would take
         // the registers of the boxes' terms.
         let terms = black_box(&terms);
-        let mut waiting = Stack::<(f32, Child), WAITING>::new();
+        let mut waiting = Stack::<i64, WAITING>::new();
         let mut next = Child::node(0);
-        'search: loop {
+        loop {
             match next.content() {
                 Content::Node(index) => {
                     let node = &self.nodes[index];
@@ -307,40 +308,33 @@ impl<const N: usize> Tree<N> {
                             node.meet::<S, _, false>(simd, &boxes, limit)
                         };
                     if met != 0 {
-                        // The nearest is next, the others wait, the nearer on top.
-                        let lane = met.trailing_zeros() as usize % N;
-                        next = node.children[lane];
-                        met &= met - 1;
-                        if met == 0 {
-                            continue;
-                        }
                         let mut entries = [0.0; N];
                         if ORDERED {
                             entry.store_slice(&mut entries);
                         }
-                        let mut nearest = entries[lane];
-                        let first = waiting.len();
-                        loop {
+                        let mut take = || {
                             let lane = met.trailing_zeros() as usize % N;
                             met &= met - 1;
-                            let mut farther = (entries[lane], node.children[lane]);
-                            if ORDERED && farther.0 < nearest {
-                                (farther, (nearest, next)) = ((nearest, next), farther);
-                            }
-                            let fits = waiting.push(farther).is_ok();
-                            debug_assert!(fits, "the tree was built for fewer");
+                            (node.children[lane].at(entries[lane]), met)
+                        };
+                        // The nearest is next, the others wait, the nearer on top. No branch depends on
+                        // which is nearer: nothing could foresee it.
+                        let (mut nearest, mut rest) = take();
+                        let first = waiting.len();
+                        while rest != 0 {
+                            let mut place;
+                            (place, rest) = take();
                             if ORDERED {
-                                let boxes = &mut waiting[first..];
-                                let mut place = boxes.len() - 1;
-                                while place > 0 && boxes[place - 1].0 < boxes[place].0 {
-                                    boxes.swap(place - 1, place);
-                                    place -= 1;
+                                for other in &mut waiting[first..] {
+                                    (*other, place) = ((*other).max(place), (*other).min(place));
                                 }
+                                (place, nearest) = (place.max(nearest), place.min(nearest));
                             }
-                            if met == 0 {
-                                continue 'search;
-                            }
+                            let fits = waiting.push(place).is_ok();
+                            debug_assert!(fits, "the tree was built for fewer");
                         }
+                        next = Child::of(nearest).1;
+                        continue;
                     }
                 }
                 Content::Block(kind, index) => {
@@ -353,7 +347,7 @@ impl<const N: usize> Tree<N> {
                 }
             }
             next = loop {
-                match waiting.pop() {
+                match waiting.pop().map(Child::of) {
                     None => return false,
                     Some((entry, child)) if !ORDERED || entry <= limit => break child,
                     Some(_) => {}
@@ -406,6 +400,22 @@ impl<const N: usize> Tree<N> {
             ],
         }
     }
+}
+
+/// Of each node of a binary tree, how far from its box a hit may be reported.
+fn spreads(items: &[Item], nodes: &[Binary]) -> Vec<f32> {
+    let mut spreads = vec![0.0_f32; nodes.len()];
+    // Children stand behind their parents.
+    for (place, node) in nodes.iter().enumerate().rev() {
+        let (first, count) = (node.first as usize, node.count as usize);
+        spreads[place] = if count == 0 {
+            spreads[first].max(spreads[first + 1])
+        } else {
+            let spreads = items[first..first + count].iter().map(Item::spread);
+            spreads.fold(0.0, f32::max)
+        };
+    }
+    spreads
 }
 
 /// What of a tree does not depend on how wide it is.
