@@ -3,7 +3,7 @@
 use fearless_simd::Level;
 use whitted::{
     Absorbing, Clip, Cuboid, Departure, Ends, Exact, Frustum, Geometry, Hit, Math, Mirror, Object,
-    Patch, PhongReal, Plane, Polygon, Quadric, Ray, Side, Sphere, Torus, Triangle, Vec3,
+    Patch, PhongReal, Plane, Polygon, Quadric, Ray, Shape, Side, Sphere, Torus, Triangle, Vec3,
 };
 
 use super::{Kinds, Wide, bounds, levels, lockstep};
@@ -701,4 +701,70 @@ fn rays_across_the_lanes_are_answered_as_the_kernels_do() {
         let [met, dimmed] = compare_together(&scene, usize::MAX, 100, &mut random, wanted);
         assert!(met > 400 && dimmed > 40, "{style:?}: {met}, {dimmed}");
     }
+}
+
+/// Where a ray enters the box round some points; infinite where it passes by.
+fn entry(points: &[Vec3], ray: &Ray) -> f64 {
+    let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
+    for axis in 0..3 {
+        let times = points.iter().map(|it| {
+            (f64::from(it[axis]) - f64::from(ray.origin[axis])) / f64::from(ray.direction[axis])
+        });
+        entry = entry.max(times.clone().fold(f64::INFINITY, f64::min));
+        exit = exit.min(times.fold(f64::NEG_INFINITY, f64::max));
+    }
+    if entry <= exit { entry } else { f64::INFINITY }
+}
+
+/// A triangle that is seen edge-on may be reported before the ray enters its box, and then hides what lies
+/// between.
+#[test]
+fn what_is_reported_before_its_box_is_not_passed_over() {
+    let mut random = Random(0xbb67_ae85_84ca_a73b);
+    let mut early = 0;
+    for _ in 0..2_000_000 {
+        // All corners lie in a plane with the ray, as well as rounding allows.
+        let ray = Ray::new(random.vector(), random.unit());
+        let across = Exact::normalize(random.unit().cross(ray.direction));
+        let corners = [(); 3].map(|()| {
+            ray.origin + ray.direction * (3.0 + random.signed()) + across * random.signed()
+        });
+        let Ok(triangle) = Triangle::new(corners) else {
+            continue;
+        };
+        let Some(t) = triangle.intersect::<Exact>(&ray, &Triangle::setup(&ray), None) else {
+            continue;
+        };
+        let entry = entry(&corners, &ray);
+        if !(f64::from(t) + 0.02 < entry && entry.is_finite()) {
+            continue;
+        }
+        early += 1;
+        let between = (t + entry as f32) * 0.5;
+        let balls = [Object {
+            shape: Sphere {
+                center: ray.origin + ray.direction * (between + 0.005),
+                radius: 0.005,
+            },
+            material: &STUFF[0],
+        }];
+        let triangles = [Object {
+            shape: triangle,
+            material: &STUFF[0],
+        }];
+        let mut kinds: Kinds<'_, Material> = Default::default();
+        kinds.0 = &balls;
+        kinds.1.1.1.0 = &triangles;
+        let expected = answers(&kinds, &ray);
+        assert_eq!(expected.hit.map(|it| it.1), Some(1));
+        for (name, level) in levels() {
+            let wide = Wide::with(kinds, level, 0);
+            assert_eq!(
+                answers(&wide, &ray),
+                expected,
+                "{name}: {ray:?}, {corners:?}"
+            );
+        }
+    }
+    assert!(early > 100, "{early} cases say nothing");
 }
