@@ -287,8 +287,7 @@ fn departure(ray: &Ray, first: usize) -> (usize, Side) {
         Some(left) => (left.object.wrapping_sub(first), left.side),
         None => (usize::MAX, Side::Outside),
     };
-    let place = math::forget(core::ptr::without_provenance::<()>(place));
-    (place.addr(), side)
+    (math::forget_number(place), side)
 }
 
 /// Looks for the nearest point that a ray meets.

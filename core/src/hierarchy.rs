@@ -24,7 +24,7 @@
 //! u of the coordinates. For outlines, the error of the shear gives the first; for the second their
 //! kernel keeps what it finds edge-on between the distances of the vertices. A box is passed over only
 //! where one of the two fails, and so the distances at which the other slabs are met are not asked
-//! for: that to an outline has no bound there. The sums here round by less than 16 u of the same
+//! for: that to an outline may be less or more. The sums here round by less than 16 u of the same
 //! coordinates, which the other half of the slack covers.
 //!
 //! The object that a ray leaves is met where its chord ends, which may lie off its bounds by the

@@ -56,7 +56,7 @@
 
 #![no_std]
 #![deny(missing_docs)]
-// One exception, in `math`: the square root instruction of some targets.
+// One exception, `math`: inline assembly, most of it for square roots.
 #![deny(unsafe_code)]
 
 pub mod antialiasing;

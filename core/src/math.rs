@@ -263,25 +263,33 @@ pub(crate) fn forget<T>(x: *const T) -> *const T {
     x
 }
 
+/// The same of a number.
+#[inline(always)]
+pub(crate) fn forget_number(x: usize) -> usize {
+    forget(core::ptr::without_provenance::<()>(x)).addr()
+}
+
 /// The outcome of a comparison that is used in many places. Where comparing floats is a call, LLVM would
 /// compare anew in each.
 #[inline(always)]
 pub(crate) fn decided(x: bool) -> bool {
     #[cfg(soft_float)]
-    let x = forget(core::ptr::without_provenance::<()>(x as usize)).addr() != 0;
+    let x = forget_number(x as usize) != 0;
     x
 }
 
 /// The objects of a slice, for a loop over them.
 ///
-/// Where each float operation is a call, the loop looks short, and LLVM unrolls it where it knows how long
-/// the slice is.
+/// Where each float operation is a call, the loop looks short, and LLVM unrolls it whole where it knows how long
+/// the slice is: which [`keep_rolled`] does not prevent.
 #[inline(always)]
 pub(crate) fn rolled<T>(slice: &[T]) -> core::slice::Iter<'_, T> {
     #[cfg(soft_float)]
     if slice.len() > 1 {
-        let length = forget(core::ptr::without_provenance::<()>(slice.len())).addr();
-        return slice.get(..length).unwrap_or_default().iter();
+        return slice
+            .get(..forget_number(slice.len()))
+            .unwrap_or_default()
+            .iter();
     }
     slice.iter()
 }

@@ -183,7 +183,7 @@ impl Axis {
 ///
 /// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013; but all is
 /// scaled by the direction along `depth`, which decides nothing and takes no division. Where speed
-/// counts, code for each axis takes the place of the paper's permutation: callers name a constant.
+/// counts, code for each axis takes the place of the paper's permutation: callers there name a constant.
 #[cfg_attr(soft_float, inline(never))]
 #[cfg_attr(not(soft_float), inline(always))]
 fn shear(ray: &Ray, across: Axis, depth: Axis, vertex: &Vec3) -> f32 {
@@ -241,7 +241,7 @@ fn meets(ray: &Ray, depth: Axis, vertices: &[Vec3]) -> bool {
 ///
 /// Edge-on, the plane's equation says little about the distance, and the point could lie far outside the
 /// outline. The axis to which the ray is closest always tells it well; so what is met lies within the box
-/// round the vertices, and hierarchies of boxes lose nothing.
+/// round the vertices along that axis, and hierarchies that know lose nothing.
 #[cfg_attr(soft_float, inline(never))]
 #[cfg_attr(not(soft_float), inline(always))]
 pub(super) fn distance(ray: &Ray, axis: Axis, vertices: &[Vec3], normal: Vec3) -> Option<f32> {

@@ -176,7 +176,7 @@ pub fn of_outline(vertices: &[Vec3], normal: Vec3) -> Option<Bounds> {
 
 /// How far along a ray from the box round an outline its kernel may report a hit.
 pub fn spread(bounds: &Bounds) -> f32 {
-    // A unit vector's largest component is at least the reciprocal of the square root of 3.
+    // A unit vector's largest component is at least the reciprocal of the square root of 3, here rounded up.
     const AT_MOST: f32 = 1.733;
     AT_MOST * (bounds.max - bounds.min).max_element()
 }

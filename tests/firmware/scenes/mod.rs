@@ -72,6 +72,7 @@ pub mod ladder;
 pub mod layouts;
 pub mod outside;
 pub mod paints;
+pub mod roots;
 
 /// Shows every frame to the visitor, by the name of its program.
 pub fn visit_all(visitor: &mut impl Visitor) {
@@ -83,7 +84,8 @@ pub fn visit_all(visitor: &mut impl Visitor) {
     paints::visit_all(visitor);
 }
 
-/// Shows enough frames to the visitor to meet everything that `core` can draw.
+/// Shows enough frames to the visitor to meet everything that `core` can draw, and one of what it computes by
+/// other means on other targets.
 pub fn visit_varied(visitor: &mut impl Visitor) {
     visitor.visit::<ladder::Matte>("matte");
     visitor.visit::<ladder::Everything>("everything");
@@ -97,6 +99,7 @@ pub fn visit_varied(visitor: &mut impl Visitor) {
     outside::visit_all(visitor);
     castle::visit_all(visitor);
     paints::visit_all(visitor);
+    visitor.visit::<roots::Roots>("roots");
 }
 
 #[inline(always)]

@@ -120,15 +120,24 @@ impl Expected {
 
     /// All frames by the name of their program, in the order of the scenes.
     pub fn all() -> Vec<(String, Self)> {
-        struct All(Vec<(String, Expected)>);
-        impl Visitor for All {
-            fn visit<F: Frame>(&mut self, name: &'static str) {
-                self.0.push((name.to_owned(), Expected::of::<F>()));
-            }
-        }
         let mut all = All(Vec::new());
         scenes::visit_all(&mut all);
         all.0
+    }
+
+    /// The frames of the program that draws many, by name.
+    pub fn varied() -> Vec<(String, Self)> {
+        let mut varied = All(Vec::new());
+        scenes::visit_varied(&mut varied);
+        varied.0
+    }
+}
+
+struct All(Vec<(String, Expected)>);
+
+impl Visitor for All {
+    fn visit<F: Frame>(&mut self, name: &'static str) {
+        self.0.push((name.to_owned(), Expected::of::<F>()));
     }
 }
 
