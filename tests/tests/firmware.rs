@@ -556,14 +556,18 @@ const FEATURES: &[Feature] = &[
     },
     Feature {
         name: "shadows",
-        bodies: &[body(
-            "core/src/geometry.rs",
-            &["Geometry for [Object", "fn blocks<"],
-        )],
-        // Culled slices have loops of their own: those of c-ray's layout.
+        bodies: &[
+            body(
+                "core/src/geometry.rs",
+                &["Geometry for [Object", "fn blocks<"],
+            ),
+            // Culled slices have loops of their own: those of c-ray's layout.
+            body("core/src/candidates.rs", &["fn blocks<"]),
+        ],
         named_by: |program| {
             let opaque = [
                 "matte-shadows",
+                "c-ray",
                 "outside",
                 "quadric",
                 "torus",
@@ -612,7 +616,8 @@ const FEATURES: &[Feature] = &[
     },
     Feature {
         name: "boxes",
-        bodies: &[intersect("core/src/shape/cuboid.rs")],
+        // What is met and what solids cut have in common.
+        bodies: &[body("core/src/shape/cuboid.rs", &["fn roots("])],
         named_by: |program| is_on_or_above(program, "cuboid") || program == "csg",
     },
     Feature {

@@ -4,9 +4,7 @@
 
 use embedded_graphics::Drawable;
 use embedded_graphics::draw_target::DrawTarget;
-use embedded_graphics::pixelcolor::{Rgb565, Rgb888};
-use embedded_graphics::prelude::{Point, Size};
-use embedded_graphics::primitives::Rectangle;
+use embedded_graphics::pixelcolor::Rgb565;
 use glam::Vec3;
 use whitted::antialiasing::{self, Adaptive};
 use whitted::area::{Rect, Samples};
@@ -14,10 +12,10 @@ use whitted::csg::Difference;
 use whitted::{
     AreaLight, Clip, Counters, Csg, Cuboid, Ends, Exact, FillLight, Frustum, Geometry, Glass,
     Instance, Light, Material, Mirror, Object, Objects, Patch, Phong, PhongReal, Picture,
-    Placement, Plane, Polygon, Quadric, Scene, Sphere, Torus, Tracer, Triangle, View, picture,
+    Placement, Plane, Polygon, Quadric, Scene, Sphere, Torus, Tracer, Triangle, View,
 };
 
-use super::{Frame, Visitor, level_view};
+use super::{Frame, Visitor, fill, level_view};
 
 pub(super) const VIEW: View = level_view(Vec3::new(0.0, 1.25, 3.0));
 pub(super) const BACKGROUND: Vec3 = Vec3::new(0.25, 0.375, 0.5);
@@ -504,13 +502,8 @@ macro_rules! ray_frame {
             }
 
             fn draw<D: DrawTarget<Color = Rgb565>>(display: &mut D) -> Result<(), D::Error> {
-                let area = Rectangle::new(Point::zero(), Size::new(VIEW.width, VIEW.height));
                 let rays = (0..VIEW.height).flat_map(|y| VIEW.rays(y));
-                let colors = rays.map(|ray| {
-                    let [red, green, blue] = picture::to_rgb8($color(&ray));
-                    Rgb565::from(Rgb888::new(red, green, blue))
-                });
-                display.fill_contiguous(&area, colors)
+                fill(display, &VIEW, rays.map(|ray| $color(&ray)))
             }
 
             fn count() -> Counters {

@@ -1,7 +1,7 @@
 //! What the firmware draws. The host compiles this same file for the picture to expect.
 
 use embedded_graphics::draw_target::DrawTarget;
-use embedded_graphics::pixelcolor::{Rgb565, RgbColor};
+use embedded_graphics::pixelcolor::{Rgb565, Rgb888, RgbColor};
 use embedded_graphics::prelude::{Point, Size};
 use embedded_graphics::primitives::Rectangle;
 use glam::Vec3;
@@ -134,6 +134,21 @@ where
         }
     }
     tracer.counters
+}
+
+/// Draws pixels of a view, from the top left, row by row.
+#[inline(always)]
+pub(crate) fn fill<D: DrawTarget<Color = Rgb565>>(
+    display: &mut D,
+    view: &View,
+    pixels: impl Iterator<Item = Vec3>,
+) -> Result<(), D::Error> {
+    let colors = pixels.map(|color| {
+        let [red, green, blue] = picture::to_rgb8(color);
+        Rgb565::from(Rgb888::new(red, green, blue))
+    });
+    let area = Rectangle::new(Point::zero(), Size::new(view.width, view.height));
+    display.fill_contiguous(&area, colors)
 }
 
 /// A camera that looks along -z. Its picture is wider than high, and shows a little more below the

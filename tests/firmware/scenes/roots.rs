@@ -1,13 +1,11 @@
 //! No scene: square roots of numbers of all sizes, each target's own way against the host's.
 
 use embedded_graphics::draw_target::DrawTarget;
-use embedded_graphics::pixelcolor::{Rgb565, Rgb888};
-use embedded_graphics::prelude::{Point, Size};
-use embedded_graphics::primitives::Rectangle;
+use embedded_graphics::pixelcolor::Rgb565;
 use glam::Vec3;
-use whitted::{Counters, View, math, picture};
+use whitted::{Counters, View, math};
 
-use super::{Frame, level_view};
+use super::{Frame, fill, level_view};
 
 /// Each channel stands for the bits of many roots.
 pub struct Roots;
@@ -43,15 +41,8 @@ impl Frame for Roots {
 
     fn draw<D: DrawTarget<Color = Rgb565>>(display: &mut D) -> Result<(), D::Error> {
         let View { width, height, .. } = Self::VIEW;
-        let colors = (0..height).flat_map(|y| (0..width).map(move |x| pixel(x, y)));
-        let colors = colors.map(|color| {
-            let [red, green, blue] = picture::to_rgb8(color);
-            Rgb565::from(Rgb888::new(red, green, blue))
-        });
-        display.fill_contiguous(
-            &Rectangle::new(Point::zero(), Size::new(width, height)),
-            colors,
-        )
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| pixel(x, y)));
+        fill(display, &Self::VIEW, pixels)
     }
 
     fn count() -> Counters {
