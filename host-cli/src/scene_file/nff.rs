@@ -49,7 +49,7 @@ struct Token<'a> {
 
 impl Token<'_> {
     fn number(&self) -> Option<f64> {
-        std::str::from_utf8(self.bytes).ok()?.parse().ok()
+        fast_float2::parse(self.bytes).ok()
     }
 
     fn unexpected(&self, expected: &str) -> Located {
