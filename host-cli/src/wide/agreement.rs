@@ -591,12 +591,12 @@ fn every_level_answers_as_the_kernels_do() {
 }
 
 impl Owned {
-    /// Rays of which some go about the same way, as many as do not fill every vector.
+    /// Rays of which some go about the same way and some all ways, as many as do not fill every vector.
     fn bundle(&self, random: &mut Random) -> Vec<Ray> {
         let mut rays = Vec::new();
         for _ in 0..4 {
             let first = self.ray(random);
-            let spread = random.pick(&[0.0, 1e-3, 0.05]);
+            let spread = random.pick(&[0.0, 1e-3, 0.05, 4.0]);
             for _ in 0..1 + random.below(24) {
                 let direction = first.direction + random.vector() * spread;
                 rays.push(Ray {
@@ -667,6 +667,10 @@ fn rays_together_are_answered_as_the_kernels_do() {
             let [met, dimmed] = compare_together(&scene, flat, 200, &mut random, |_, _| true);
             assert!(met > 400 && dimmed > 20, "{style:?}: {met}, {dimmed}");
         }
+        // One odd ray, and no other of its group is cast with the rest.
+        let regular = |wide: &Wide<'_, Material>, ray: &Ray| wide.takes_this(ray);
+        let [met, _] = compare_together(&scene, 0, 100, &mut random, regular);
+        assert!(met > 200, "{style:?}: {met}");
     }
 }
 

@@ -2,8 +2,8 @@
 //!
 //! Every lane goes through the tracer's own loop and adds up its terms in its order, so that every pixel
 //! has its bits; all arithmetic of shading is by vectors, a lane a pixel. In scenes of few objects, so
-//! are all queries (`across`). In larger ones neighbouring pixels' first rays, and their shadow rays,
-//! go down the hierarchy as packets (`packet`), the others one by one.
+//! are all queries (`across`). In larger ones groups of rays go down the hierarchy together where they go
+//! about the same way, as those of neighbouring pixels and of their shadows do, and else one by one (`packet`).
 
 use core::ops::Range;
 
@@ -19,7 +19,7 @@ use super::blocks::Kind;
 use super::lanes::{Lanes, Vectors, mask_of};
 use super::packet::{LightOfEach, NearestOfEach, Packet};
 use super::power::powers;
-use super::tree::{Nearest, Tree, Vector};
+use super::tree::{Nearest, Search, Tree, Vector};
 use crate::scene::Material;
 
 /// What is traced, and how far.
@@ -136,6 +136,16 @@ fn each_transmittance<S: Simd, V: Lanes<S>, const N: usize>(
     }
 }
 
+impl Wide<'_, Material> {
+    /// Whether as many rays go down a hierarchy as a group; `neighbours` says that they are of pixels side
+    /// by side.
+    #[inline(always)]
+    fn casts_as_group(&self, rays: u32, neighbours: bool) -> bool {
+        let boxes = matches!(self.search, Search::SolidBoxes | Search::Boxes);
+        boxes && rays.count_ones() >= if neighbours { 2 } else { MANY }
+    }
+}
+
 impl<'a, L> Job<'a, L> {
     /// Nothing but the objects.
     fn dark(geometry: &'a Wide<'a, Material>) -> Self {
@@ -189,8 +199,8 @@ fn band<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
     }
 }
 
-/// From how many rays on those of later bounces are tried together.
-const TOGETHER: u32 = 4;
+/// From how many rays on those that are not of neighbours are cast as a group.
+const MANY: u32 = 4;
 
 /// Rows of pixels in a group.
 pub const HEIGHT: usize = 4;
@@ -347,7 +357,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
 
     /// Casts the lanes' rays; says which hit anything.
     #[inline(always)]
-    fn nearest<S: Simd, V: Lanes<S>>(&mut self, simd: S, active: u32, together: bool) -> u32
+    fn nearest<S: Simd, V: Lanes<S>>(&mut self, simd: S, active: u32, neighbours: bool) -> u32
     where
         Tree<N>: Vector<S, Lanes = V>,
     {
@@ -388,11 +398,8 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             return hit;
         }
         let mut nearest = self.beams.end.map(Nearest::before);
-        let mut cast = false;
-        if (together || active.count_ones() >= TOGETHER)
-            && active & !regular == 0
-            && active.count_ones() > 1
-        {
+        let as_group = active & !regular == 0 && geometry.casts_as_group(active, neighbours);
+        if as_group {
             let mut limits = self.beams.end;
             for lane in Set(active) {
                 let left = self.beams.left[lane];
@@ -406,10 +413,10 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 active,
             };
             let mut visit = NearestOfEach(&mut nearest);
-            cast = self.tree.visit_packet(
+            self.tree.visit_rays(
                 simd,
                 parts,
-                geometry.search,
+                geometry.search == Search::SolidBoxes,
                 true,
                 &packet,
                 &mut limits,
@@ -418,7 +425,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         }
         let mut hit = 0;
         for lane in Set(active) {
-            if !cast {
+            if !as_group {
                 let mut ray = self.beams.ray(lane);
                 if let Some(object) = geometry.nearest::<Exact>(&mut ray, 0, Candidates::ALL) {
                     nearest[lane] = Nearest {
@@ -530,7 +537,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         &mut self,
         simd: S,
         hit: u32,
-        together: bool,
+        neighbours: bool,
         counters: &mut Counters,
     ) where
         Tree<N>: Vector<S, Lanes = V>,
@@ -583,7 +590,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 distance.store_slice(&mut self.shadows.end);
                 self.shadows.left = hits.object;
                 self.shadows.inward = !hits.front;
-                self.cast_shadows(simd, lit, together, occluder, &mut passed);
+                self.cast_shadows(simd, lit, neighbours, occluder, &mut passed);
             }
             let hits = &self.hits;
             let passed = V::from_slice(simd, &passed);
@@ -616,7 +623,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         &mut self,
         simd: S,
         mut lit: u32,
-        together: bool,
+        neighbours: bool,
         occluder: &mut u32,
         passed: &mut [f32; N],
     ) where
@@ -658,8 +665,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             }
         }
         let mut light = [Transmittance::default(); N];
-        if (together || lit.count_ones() >= TOGETHER) && lit & !regular == 0 && lit.count_ones() > 1
-        {
+        if lit & !regular == 0 && geometry.casts_as_group(lit, neighbours) {
             let (mut limits, mut dark) = (beams.end, 0);
             for lane in Set(lit) {
                 let left = beams.left[lane];
@@ -680,24 +686,23 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 },
             };
             let packet = Packet { beams, active: lit };
-            if self.tree.visit_packet(
+            self.tree.visit_rays(
                 simd,
                 parts,
-                geometry.search,
+                geometry.search == Search::SolidBoxes,
                 false,
                 &packet,
                 &mut limits,
                 &mut visit,
-            ) {
-                for lane in Set(lit) {
-                    passed[lane] = if visit.dark >> lane & 1 != 0 {
-                        0.0
-                    } else {
-                        visit.light[lane].product()
-                    };
-                }
-                return;
+            );
+            for lane in Set(lit) {
+                passed[lane] = if visit.dark >> lane & 1 != 0 {
+                    0.0
+                } else {
+                    visit.light[lane].product()
+                };
             }
+            return;
         }
         for lane in Set(lit) {
             passed[lane] = geometry.transmittance(&beams.ray(lane)).x;

@@ -1,11 +1,11 @@
 //! Wide nodes, and what a ray computes once to meet them.
 
 use fearless_simd::{Simd, SimdMask};
-use whitted::Ray;
+use whitted::{Ray, Vec3};
 
 use super::blocks::Kind;
 use super::bounds::{Bounds, FAR, ROUNDING};
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Vectors};
 use super::rays::fastest;
 
 /// `N` boxes and what is in them: 32 bytes a child.
@@ -57,10 +57,16 @@ impl Child {
         i64::from(entry.to_bits() as i32) << 32 | i64::from(self.0)
     }
 
-    /// The two again.
+    /// The last of all that are no farther than a distance above zero.
     #[inline(always)]
-    pub fn of(place: i64) -> (f32, Self) {
-        (f32::from_bits((place >> 32) as u32), Self(place as u32))
+    pub fn last_at(distance: f32) -> i64 {
+        Self(u32::MAX).at(distance)
+    }
+
+    /// What a box holds again.
+    #[inline(always)]
+    pub fn of(place: i64) -> Self {
+        Self(place as u32)
     }
 
     #[inline(always)]
@@ -192,6 +198,83 @@ impl NodeTerms {
 fn reach(ray: &Ray) -> f32 {
     let size = ray.origin.abs();
     size.x + size.y + size.z
+}
+
+/// As [`NodeTerms`], a ray a lane.
+pub struct NodeTermsOfEach<const N: usize> {
+    /// For each axis the reciprocals, and what is to be taken off where planes are near and far.
+    axes: [[[f32; N]; 3]; 3],
+}
+
+impl<const N: usize> NodeTermsOfEach<N> {
+    /// As [`NodeTerms::new`].
+    #[inline(always)]
+    pub fn new<S: Simd, V: Lanes<S>>(
+        simd: S,
+        origin: Vectors<V>,
+        direction: Vectors<V>,
+        slack: f32,
+    ) -> Self {
+        let slack = (origin.x.abs() + origin.y.abs() + origin.z.abs()) * V::simd_from(simd, slack);
+        let mut axes = [[[0.0; N]; 3]; 3];
+        let ways = [
+            (origin.x, direction.x),
+            (origin.y, direction.y),
+            (origin.z, direction.z),
+        ];
+        for (rows, (origin, direction)) in axes.iter_mut().zip(ways) {
+            let terms = SlabTermsOfEach::new(simd, origin, direction, slack);
+            terms.reciprocal.store_slice(&mut rows[0]);
+            terms.near.store_slice(&mut rows[1]);
+            terms.far.store_slice(&mut rows[2]);
+        }
+        Self { axes }
+    }
+
+    /// The terms of one.
+    #[inline(always)]
+    pub fn get(&self, lane: usize, direction: Vec3) -> NodeTerms {
+        let [x, y, z] = &self.axes;
+        let terms = |[reciprocal, near, far]: &[[f32; N]; 3]| SlabTerms {
+            down: reciprocal[lane] < 0.0,
+            reciprocal: reciprocal[lane],
+            near: near[lane],
+            far: far[lane],
+        };
+        NodeTerms {
+            x: terms(x),
+            y: terms(y),
+            z: terms(z),
+            axis: fastest(direction),
+        }
+    }
+}
+
+/// As [`SlabTerms`], a ray a lane.
+pub struct SlabTermsOfEach<V> {
+    pub reciprocal: V,
+    pub near: V,
+    pub far: V,
+}
+
+impl<V> SlabTermsOfEach<V> {
+    /// As [`SlabTerms::new`].
+    #[inline(always)]
+    pub fn new<S: Simd>(simd: S, origin: V, direction: V, slack: V) -> Self
+    where
+        V: Lanes<S>,
+    {
+        // As there: no infinite reciprocals.
+        let reciprocal = (V::simd_from(simd, 1.0) / direction)
+            .max(V::simd_from(simd, -FAR))
+            .min(V::simd_from(simd, FAR));
+        let (start, moved) = (origin * reciprocal, reciprocal.abs() * slack);
+        Self {
+            reciprocal,
+            near: start + moved,
+            far: start - moved,
+        }
+    }
 }
 
 impl SlabTerms {

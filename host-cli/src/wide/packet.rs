@@ -1,10 +1,12 @@
-//! As many rays as a vector has lanes, cast together.
+//! As many rays as a vector has lanes, cast as a group.
 //!
 //! Rays that start near each other and go about the same way meet about the same boxes. A node's
 //! boxes are first tested against all that the rays have in common, by interval arithmetic, then each
 //! that passes against every ray, a lane each: A. Reshetov, A. Soupikov, J. Hurley, "Multi-Level Ray
 //! Tracing Algorithm", SIGGRAPH 2005; S. Boulos, D. Edwards, J. D. Lacewell et al., "Packet-based Whitted
 //! and Distribution Ray Tracing", Graphics Interface 2007.
+//!
+//! Rays that have less in common go one after the other, and share only how their terms are computed.
 
 use core::hint::black_box;
 
@@ -14,14 +16,13 @@ use whitted::Ray;
 use whitted::math::Transmittance;
 
 use super::across::{self, Terms, TermsOf};
-use super::beams::Beams;
+use super::beams::{Beams, Set};
 use super::blocks::{Found, Kind};
-use super::bounds::FAR;
 use super::lanes::{Lanes, Vectors, fastest_of_each};
-use super::nodes::{Child, Content, Node, met};
+use super::nodes::{Child, Content, Node, NodeTermsOfEach, SlabTermsOfEach, met};
 use super::parts::Parts;
 use super::rays::{RayTerms, fastest};
-use super::tree::{LEAF, Nearest, Search, Tree, Vector, WAITING, without};
+use super::tree::{LEAF, Nearest, Search, Tree, Vector, Visit, WAITING, without};
 
 /// Some of as many rays as there are lanes.
 pub struct Packet<'a, const N: usize> {
@@ -112,18 +113,15 @@ impl<V: Copy> Slabs<V> {
     where
         V: Lanes<S>,
     {
-        // As `SlabTerms::new`.
-        let one = V::simd_from(simd, 1.0);
-        let reciprocal = (one / direction)
-            .max(V::simd_from(simd, -FAR))
-            .min(V::simd_from(simd, FAR));
+        let SlabTermsOfEach {
+            reciprocal,
+            near,
+            far,
+        } = SlabTermsOfEach::new(simd, origin, direction, slack);
         let down = reciprocal.simd_lt(zero);
         if down.any_true() && down.any_false() {
             return None;
         }
-        let moved = reciprocal.max(-reciprocal) * slack;
-        let from_zero = origin * reciprocal;
-        let (near, far) = (from_zero + moved, from_zero - moved);
         let from_start = reciprocal * V::simd_from(simd, start);
         Some(Self {
             down: down.any_true(),
@@ -222,23 +220,22 @@ impl<V: Copy> Bundle<V> {
 }
 
 impl<const N: usize> Tree<N> {
-    /// Calls `visit` with everything that the rays meet before their limits, for each ray what `visit`
-    /// returned last, but not with the objects of `left`, one a ray. False, and nothing is done, where
-    /// the rays have too little in common, or there is no faster way than one by one.
+    /// Calls `visit` with what the rays meet before their limits, for each ray what `visit` returned last,
+    /// but not with the objects of `left`, one a ray. There is a hierarchy.
     ///
-    /// `ordered` says whether limits fall.
+    /// `solid` says that all in it is met where its box is, `ordered` that limits fall.
+    #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    pub fn visit_packet<S: Simd, M>(
+    pub fn visit_rays<S: Simd, M>(
         &self,
         simd: S,
         parts: &Parts<'_, M>,
-        search: Search,
+        solid: bool,
         ordered: bool,
         packet: &Packet<'_, N>,
         limits: &mut [f32; N],
         visit: &mut impl PacketVisit,
-    ) -> bool
-    where
+    ) where
         Self: Vector<S>,
     {
         for (lane, limit) in limits.iter_mut().enumerate() {
@@ -247,22 +244,72 @@ impl<const N: usize> Tree<N> {
                 *limit = f32::NEG_INFINITY;
             }
         }
-        macro_rules! down {
-            ($solid:literal) => {
+        macro_rules! vectorized {
+            ($call:expr) => {
                 simd.vectorize(
                     #[inline(always)]
-                    || self.down::<S, M, $solid>(simd, parts, ordered, packet, limits, visit),
+                    || $call,
                 )
             };
         }
-        match search {
-            Search::Spheres | Search::Blocks => false,
-            Search::SolidBoxes => down!(true),
-            Search::Boxes => down!(false),
+        macro_rules! cast {
+            ($search:ident) => {{
+                const SEARCH: u8 = Search::$search as u8;
+                const SOLID: bool = SEARCH == Search::SolidBoxes as u8;
+                let together = vectorized!(
+                    self.down::<S, M, SOLID>(simd, parts, ordered, packet, limits, visit)
+                );
+                if !together && ordered {
+                    vectorized!(self.each::<S, SEARCH, true>(simd, packet, limits, visit));
+                } else if !together {
+                    vectorized!(self.each::<S, SEARCH, false>(simd, packet, limits, visit));
+                }
+            }};
+        }
+        if solid {
+            cast!(SolidBoxes);
+        } else {
+            cast!(Boxes);
         }
     }
 
-    /// Down the hierarchy.
+    /// One ray after the other down the hierarchy: they need have nothing in common.
+    #[inline(always)]
+    fn each<S: Simd, const SEARCH: u8, const ORDERED: bool>(
+        &self,
+        simd: S,
+        packet: &Packet<'_, N>,
+        limits: &[f32; N],
+        visit: &mut impl PacketVisit,
+    ) where
+        Self: Vector<S>,
+    {
+        let beams = packet.beams;
+        let (origin, direction) = (beams.origin.load(simd), beams.direction.load(simd));
+        let boxes = NodeTermsOfEach::<N>::new::<S, <Self as Vector<S>>::Lanes>(
+            simd,
+            origin,
+            direction,
+            self.slack(),
+        );
+        // One by one from memory.
+        let boxes = black_box(&boxes);
+        for lane in Set(packet.active) {
+            let ray = beams.ray(lane);
+            let terms = RayTerms::new(&ray, self.needs());
+            let boxes = boxes.get(lane, ray.direction);
+            let visit = OneOfEach {
+                ray: lane,
+                left: beams.left[lane],
+                ordered: ORDERED,
+                visit,
+            };
+            self.descend::<S, SEARCH, ORDERED>(simd, &terms, &boxes, limits[lane], visit);
+        }
+    }
+
+    /// All rays together down the hierarchy. False, and nothing is done, where they have too little in
+    /// common.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     fn down<S: Simd, M, const SOLID: bool>(
@@ -337,7 +384,7 @@ impl<const N: usize> Tree<N> {
                     if by_rays <= by_objects {
                         self.visit_objects(simd, parts, kind, index, terms, rays, limits, visit);
                     } else {
-                        self.visit_block(simd, kind, index, packet, rays, limits, visit);
+                        self.visit_block(simd, kind, index, ordered, packet, rays, limits, visit);
                     }
                     farthest = Of::<S, Self>::from_slice(simd, limits).reduce_max();
                 }
@@ -403,6 +450,7 @@ impl<const N: usize> Tree<N> {
         simd: S,
         kind: Kind,
         index: usize,
+        ordered: bool,
         packet: &Packet<'_, N>,
         mut rays: u32,
         limits: &mut [f32; N],
@@ -419,19 +467,54 @@ impl<const N: usize> Tree<N> {
             let found: Found<'_, f32x8<S>, LEAF> =
                 self.all_blocks()
                     .meet(simd, kind, index, terms, limits[ray]);
-            let mut met = without(&found, packet.beams.left[ray]);
-            if met == 0 {
-                continue;
-            }
-            let mut t = [0.0; LEAF];
-            found.t.store_slice(&mut t);
-            while met != 0 {
-                let lane = met.trailing_zeros() as usize % LEAF;
-                met &= met - 1;
-                let opaque = found.labels.opaque >> lane & 1 != 0;
-                limits[ray] = visit.visit(ray, t[lane], found.labels.objects[lane], opaque);
+            let mut one = OneOfEach {
+                ray,
+                left: packet.beams.left[ray],
+                ordered,
+                visit: &mut *visit,
+            };
+            limits[ray] = one.visit(found, limits[ray]).unwrap_or(f32::NEG_INFINITY);
+        }
+    }
+}
+
+/// One ray of a packet.
+struct OneOfEach<'a, P> {
+    ray: usize,
+    left: u32,
+    /// Whether its limit falls.
+    ordered: bool,
+    visit: &'a mut P,
+}
+
+impl<P: PacketVisit> Visit for OneOfEach<'_, P> {
+    #[inline(always)]
+    fn visit<S: Simd, V: Lanes<S>, const N: usize>(
+        &mut self,
+        found: Found<'_, V, N>,
+        mut limit: f32,
+    ) -> Option<f32> {
+        let mut met = without(&found, self.left);
+        if met == 0 {
+            return Some(limit);
+        }
+        let opaque = met & found.labels.opaque;
+        if !self.ordered && opaque != 0 {
+            // One of these is the last.
+            met = opaque;
+        }
+        let mut t = [0.0; N];
+        found.t.store_slice(&mut t);
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % N;
+            met &= met - 1;
+            let opaque = found.labels.opaque >> lane & 1 != 0;
+            limit = (self.visit).visit(self.ray, t[lane], found.labels.objects[lane], opaque);
+            if limit == f32::NEG_INFINITY {
+                return None;
             }
         }
+        Some(limit)
     }
 }
 

@@ -292,9 +292,25 @@ impl<const N: usize> Tree<N> {
             return false;
         }
         let boxes = NodeTerms::new(ray, self.slack);
+        self.descend::<S, SEARCH, ORDERED>(simd, &terms, &boxes, limit, visit)
+    }
+
+    /// As `visit`, down the hierarchy.
+    #[inline(always)]
+    pub fn descend<S: Simd, const SEARCH: u8, const ORDERED: bool>(
+        &self,
+        simd: S,
+        terms: &RayTerms<'_>,
+        boxes: &NodeTerms,
+        mut limit: f32,
+        mut visit: impl Visit,
+    ) -> bool
+    where
+        Self: Vector<S>,
+    {
         // The terms stay in memory, from where lanes are loaded for nothing: in vectors, they would take
         // the registers of the boxes' terms.
-        let terms = black_box(&terms);
+        let terms = black_box(terms);
         let mut waiting = Stack::<i64, WAITING>::new();
         let mut next = Child::node(0);
         loop {
@@ -303,9 +319,9 @@ impl<const N: usize> Tree<N> {
                     let node = &self.nodes[index];
                     let (entry, mut met): (<Self as Vector<S>>::Lanes, u32) =
                         if SEARCH == Search::SolidBoxes as u8 {
-                            node.meet::<S, _, true>(simd, &boxes, limit)
+                            node.meet::<S, _, true>(simd, boxes, limit)
                         } else {
-                            node.meet::<S, _, false>(simd, &boxes, limit)
+                            node.meet::<S, _, false>(simd, boxes, limit)
                         };
                     if met != 0 {
                         let mut entries = [0.0; N];
@@ -333,7 +349,7 @@ impl<const N: usize> Tree<N> {
                             let fits = waiting.push(place).is_ok();
                             debug_assert!(fits, "the tree was built for fewer");
                         }
-                        next = Child::of(nearest).1;
+                        next = Child::of(nearest);
                         continue;
                     }
                 }
@@ -341,18 +357,28 @@ impl<const N: usize> Tree<N> {
                     let found: Found<'_, f32x8<S>, LEAF> =
                         self.blocks.meet(simd, kind, index, terms, limit);
                     match visit.visit::<S, _, LEAF>(found, limit) {
-                        Some(nearer) => limit = nearer,
+                        Some(nearer) => {
+                            if ORDERED && nearer < limit {
+                                // What is too far now goes at once, and without a branch for each.
+                                let last = Child::last_at(nearer);
+                                let mut kept = 0;
+                                for i in 0..waiting.len() {
+                                    let place = waiting[i];
+                                    waiting[kept] = place;
+                                    kept += usize::from(place <= last);
+                                }
+                                waiting.truncate(kept);
+                            }
+                            limit = nearer;
+                        }
                         None => return true,
                     }
                 }
             }
-            next = loop {
-                match waiting.pop().map(Child::of) {
-                    None => return false,
-                    Some((entry, child)) if !ORDERED || entry <= limit => break child,
-                    Some(_) => {}
-                }
-            };
+            match waiting.pop().map(Child::of) {
+                None => return false,
+                Some(child) => next = child,
+            }
         }
     }
 
@@ -441,7 +467,7 @@ pub enum Search {
 }
 
 /// What is done with what a block finds.
-trait Visit {
+pub trait Visit {
     /// Up to which distance more is asked for; `None` ends the search.
     fn visit<S: Simd, V: Lanes<S>, const N: usize>(
         &mut self,
