@@ -667,7 +667,7 @@ fn rays_together_are_answered_as_the_kernels_do() {
             let [met, dimmed] = compare_together(&scene, flat, 200, &mut random, |_, _| true);
             assert!(met > 400 && dimmed > 20, "{style:?}: {met}, {dimmed}");
         }
-        // One odd ray, and no other of its group is cast with the rest.
+        // Without the odd rays, each of which keeps its group from being cast as one.
         let regular = |wide: &Wide<'_, Material>, ray: &Ray| wide.takes_this(ray);
         let [met, _] = compare_together(&scene, 0, 100, &mut random, regular);
         assert!(met > 200, "{style:?}: {met}");

@@ -413,15 +413,8 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 active,
             };
             let mut visit = NearestOfEach(&mut nearest);
-            self.tree.visit_rays(
-                simd,
-                parts,
-                geometry.search == Search::SolidBoxes,
-                true,
-                &packet,
-                &mut limits,
-                &mut visit,
-            );
+            self.tree
+                .visit_rays(simd, parts, true, &packet, &mut limits, &mut visit);
         }
         let mut hit = 0;
         for lane in Set(active) {
@@ -686,15 +679,8 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 },
             };
             let packet = Packet { beams, active: lit };
-            self.tree.visit_rays(
-                simd,
-                parts,
-                geometry.search == Search::SolidBoxes,
-                false,
-                &packet,
-                &mut limits,
-                &mut visit,
-            );
+            self.tree
+                .visit_rays(simd, parts, false, &packet, &mut limits, &mut visit);
             for lane in Set(lit) {
                 passed[lane] = if visit.dark >> lane & 1 != 0 {
                     0.0

@@ -223,14 +223,12 @@ impl<const N: usize> Tree<N> {
     /// Calls `visit` with what the rays meet before their limits, for each ray what `visit` returned last,
     /// but not with the objects of `left`, one a ray. There is a hierarchy.
     ///
-    /// `solid` says that all in it is met where its box is, `ordered` that limits fall.
+    /// `ordered` says whether limits fall.
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
     pub fn visit_rays<S: Simd, M>(
         &self,
         simd: S,
         parts: &Parts<'_, M>,
-        solid: bool,
         ordered: bool,
         packet: &Packet<'_, N>,
         limits: &mut [f32; N],
@@ -266,7 +264,7 @@ impl<const N: usize> Tree<N> {
                 }
             }};
         }
-        if solid {
+        if self.is_solid() {
             cast!(SolidBoxes);
         } else {
             cast!(Boxes);

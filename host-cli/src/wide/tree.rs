@@ -216,14 +216,20 @@ impl<const N: usize> Tree<N> {
         self.slack
     }
 
+    /// Whether all in the boxes is met within them: there are no outlines.
+    #[inline(always)]
+    pub fn is_solid(&self) -> bool {
+        !self.needs.turned
+    }
+
     /// How to look for what a ray meets.
     fn search(&self) -> Search {
         let others = |kind: &Kind| *kind != Kind::Sphere && self.flat.len(*kind) > 0;
         if !self.nodes.is_empty() {
-            if self.needs.turned {
-                Search::Boxes
-            } else {
+            if self.is_solid() {
                 Search::SolidBoxes
+            } else {
+                Search::Boxes
             }
         } else if Kind::ALL.iter().any(others) {
             Search::Blocks
