@@ -265,12 +265,16 @@ impl<M> Wide<'_, M> {
 
     #[inline(always)]
     fn takes_this(&self, ray: &Ray) -> bool {
-        // Zero, or large: of whole numbers one comparison, and no branch. NaN is not regular.
-        let size = |x: f32| x.abs().to_bits();
-        let invertible = |x: f32| size(x).wrapping_sub(1) >= INVERTIBLE.to_bits();
-        let d = ray.direction;
-        let is_invertible = invertible(d.x) & invertible(d.y) & invertible(d.z);
-        is_regular(ray) & (!self.has_cuboids | is_invertible)
+        if self.has_cuboids {
+            // Zero, or large: of whole numbers one comparison, and no branch. NaN is not regular.
+            let size = |x: f32| x.abs().to_bits();
+            let invertible = |x: f32| size(x).wrapping_sub(1) >= INVERTIBLE.to_bits();
+            let d = ray.direction;
+            if !(invertible(d.x) & invertible(d.y) & invertible(d.z)) {
+                return false;
+            }
+        }
+        is_regular(ray)
     }
 
     /// Whether there are objects that the lanes leave out: those in no block, and the one that the ray

@@ -35,6 +35,22 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// The kind of a number; of others the last.
+    #[inline(always)]
+    pub fn of(number: u32) -> Self {
+        match number {
+            0 => Self::Sphere,
+            1 => Self::HollowSphere,
+            2 => Self::Triangle,
+            3 => Self::Quad,
+            4 => Self::Outline,
+            5 => Self::Cuboid,
+            6 => Self::Frustum,
+            7 => Self::HollowFrustum,
+            _ => Self::Other,
+        }
+    }
+
     pub const ALL: [Self; 9] = [
         Self::Sphere,
         Self::HollowSphere,
@@ -122,7 +138,9 @@ pub struct Found<'a, V, const N: usize> {
     pub t: V,
     /// A bit a lane.
     pub lanes: u32,
-    pub labels: &'a Labels<N>,
+    /// Of all blocks of the kind: most blocks are not met, and of those none is looked for.
+    labels: &'a [Labels<N>],
+    block: usize,
 }
 
 impl<const N: usize> Blocks<N> {
@@ -270,7 +288,7 @@ impl<const N: usize> Blocks<N> {
         macro_rules! meet {
             ($shelf:ident, $block:ident => $meeting:expr) => {{
                 let $block = &self.$shelf.blocks[index];
-                Found::new($meeting, &self.$shelf.labels[index])
+                Found::new($meeting, &self.$shelf.labels, index)
             }};
         }
         match kind {
@@ -287,11 +305,11 @@ impl<const N: usize> Blocks<N> {
             }
             Kind::Outline => {
                 let t = self.outlines.blocks[index].meet::<S, V, N>(simd, terms, limit);
-                Found::one(simd, t, &self.outlines.labels[index])
+                Found::one(simd, t, &self.outlines.labels, index)
             }
             Kind::Other => {
                 let t = self.others.blocks[index].meet(terms.ray, limit);
-                Found::one(simd, t, &self.others.labels[index])
+                Found::one(simd, t, &self.others.labels, index)
             }
         }
     }
@@ -299,7 +317,11 @@ impl<const N: usize> Blocks<N> {
 
 impl<'a, V, const N: usize> Found<'a, V, N> {
     #[inline(always)]
-    pub fn new<S: Simd>(meeting: Meeting<V, V::Mask>, labels: &'a Labels<N>) -> Self
+    pub fn new<S: Simd>(
+        meeting: Meeting<V, V::Mask>,
+        labels: &'a [Labels<N>],
+        block: usize,
+    ) -> Self
     where
         V: Lanes<S>,
     {
@@ -307,12 +329,13 @@ impl<'a, V, const N: usize> Found<'a, V, N> {
             t: meeting.t,
             lanes: meeting.met.to_bitmask() as u32,
             labels,
+            block,
         }
     }
 
     /// Of a block of one object.
     #[inline(always)]
-    fn one<S: Simd>(simd: S, t: Option<f32>, labels: &'a Labels<N>) -> Self
+    fn one<S: Simd>(simd: S, t: Option<f32>, labels: &'a [Labels<N>], block: usize) -> Self
     where
         V: Lanes<S>,
     {
@@ -320,7 +343,14 @@ impl<'a, V, const N: usize> Found<'a, V, N> {
             t: V::simd_from(simd, t.unwrap_or(0.0)),
             lanes: u32::from(t.is_some()),
             labels,
+            block,
         }
+    }
+
+    /// What the lanes stand for.
+    #[inline(always)]
+    pub fn labels(&self) -> &'a Labels<N> {
+        &self.labels[self.block]
     }
 }
 

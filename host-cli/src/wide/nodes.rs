@@ -74,7 +74,7 @@ impl Child {
         if self.0 & Self::BLOCK == 0 {
             Content::Node(self.0 as usize)
         } else {
-            let kind = Kind::ALL[(self.0 >> Self::KIND) as usize & 15];
+            let kind = Kind::of(self.0 >> Self::KIND & 15);
             Content::Block(kind, self.0 as usize & (Self::LIMIT - 1))
         }
     }
@@ -140,20 +140,21 @@ pub fn met<S: Simd, V: Lanes<S>, const SOLID: bool>(
     limit: V,
 ) -> (V, u32) {
     let zero = V::simd_from(simd, 0.0);
-    let entry = x.0.max(y.0).max(z.0);
-    let exit = x.1.min(y.1).min(z.1);
+    // In pairs: what is not needed at once does not wait for each other.
+    let (entry, exit) = (x.0.max(y.0), x.1.min(y.1));
     if SOLID {
-        let (entry, exit) = (entry.max(zero), exit.min(limit));
+        let (entry, exit) = (entry.max(z.0.max(zero)), exit.min(z.1.min(limit)));
         return (entry, entry.simd_le(exit).to_bitmask() as u32);
     }
+    let (entry, exit) = (entry.max(z.0), exit.min(z.1));
     let (near, far) = match axis {
         0 => x,
         1 => y,
         _ => z,
     };
     let spread = spread();
-    let near = near.max(entry - spread).max(zero);
-    let far = far.min(exit + spread).min(limit);
+    let near = near.max(zero).max(entry - spread);
+    let far = far.min(limit).min(exit + spread);
     let met = entry.simd_le(exit) & near.simd_le(far);
     (near, met.to_bitmask() as u32)
 }

@@ -347,22 +347,17 @@ impl<const N: usize> Tree<N> {
                         boxes &= boxes - 1;
                         let met = rays & bundle.meet_each::<S, N, SOLID>(simd, node, child, each);
                         if met != 0 {
-                            let fits = waiting
-                                .push((entries[child], node.children[child], met))
-                                .is_ok();
-                            debug_assert!(fits, "the tree was built for fewer");
-                        }
-                    }
-                    // The nearest is next.
-                    if ordered {
-                        let last = waiting.len();
-                        for place in first + 1..last {
-                            if waiting[place].0 < waiting[last - 1].0 {
-                                waiting.swap(place, last - 1);
+                            let mut place = (entries[child], node.children[child], met);
+                            // The nearest is next.
+                            if ordered && let Some(others) = waiting.get_mut(first..) {
+                                for other in others {
+                                    if other.0 < place.0 {
+                                        core::mem::swap(other, &mut place);
+                                    }
+                                }
                             }
-                        }
-                        if last > first && waiting[first].0 < waiting[last - 1].0 {
-                            waiting.swap(first, last - 1);
+                            let fits = waiting.push(place).is_ok();
+                            debug_assert!(fits, "the tree was built for fewer");
                         }
                     }
                 }
@@ -496,7 +491,7 @@ impl<P: PacketVisit> Visit for OneOfEach<'_, P> {
         if met == 0 {
             return Some(limit);
         }
-        let opaque = met & found.labels.opaque;
+        let opaque = met & found.labels().opaque;
         if !self.ordered && opaque != 0 {
             // One of these is the last.
             met = opaque;
@@ -506,8 +501,8 @@ impl<P: PacketVisit> Visit for OneOfEach<'_, P> {
         while met != 0 {
             let lane = met.trailing_zeros() as usize % N;
             met &= met - 1;
-            let opaque = found.labels.opaque >> lane & 1 != 0;
-            limit = (self.visit).visit(self.ray, t[lane], found.labels.objects[lane], opaque);
+            let opaque = found.labels().opaque >> lane & 1 != 0;
+            limit = (self.visit).visit(self.ray, t[lane], found.labels().objects[lane], opaque);
             if limit == f32::NEG_INFINITY {
                 return None;
             }

@@ -69,6 +69,10 @@ pub struct Tree<const N: usize> {
     slack: f32,
 }
 
+/// Numbers that no two lines of a cache share.
+#[repr(align(64))]
+struct Aligned<const N: usize>([f32; N]);
+
 /// The nearest hit so far.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest {
@@ -166,6 +170,8 @@ impl<const N: usize> Tree<N> {
         while let Some((place, root, waiting)) = pending.pop() {
             below.clear();
             collapse.children(root, &mut below);
+            // Leaves last, which is where those begin to look that any hit will do for.
+            below.sort_by_key(|&root| binary[root].count);
             let waiting = waiting + below.len() - 1;
             if waiting >= WAITING {
                 return false;
@@ -266,8 +272,9 @@ impl<const N: usize> Tree<N> {
                     // Of most kinds there is none.
                     if self.flat_kinds & 1 << Kind::$kind as u8 != 0 {
                         let shelf = &self.flat.$shelf;
-                        for ($block, labels) in shelf.blocks.iter().zip(&shelf.labels) {
-                            let found: Found<'_, Many<S, Self>, N> = Found::new($meeting, labels);
+                        for (index, $block) in shelf.blocks.iter().enumerate() {
+                            let found: Found<'_, Many<S, Self>, N> =
+                                Found::new($meeting, &shelf.labels, index);
                             match visit.visit::<S, _, N>(found, limit) {
                                 Some(nearer) => limit = nearer,
                                 None => return true,
@@ -308,6 +315,86 @@ impl<const N: usize> Tree<N> {
         simd: S,
         terms: &RayTerms<'_>,
         boxes: &NodeTerms,
+        limit: f32,
+        visit: impl Visit,
+    ) -> bool
+    where
+        Self: Vector<S>,
+    {
+        if ORDERED {
+            self.descend_nearest::<S, SEARCH>(simd, terms, boxes, limit, visit)
+        } else {
+            self.descend_any::<S, SEARCH>(simd, terms, boxes, limit, visit)
+        }
+    }
+
+    /// As `descend`, where limits do not fall.
+    #[inline(always)]
+    fn descend_any<S: Simd, const SEARCH: u8>(
+        &self,
+        simd: S,
+        terms: &RayTerms<'_>,
+        boxes: &NodeTerms,
+        mut limit: f32,
+        mut visit: impl Visit,
+    ) -> bool
+    where
+        Self: Vector<S>,
+    {
+        let terms = black_box(terms);
+        macro_rules! meet {
+            ($index:expr) => {{
+                let (_, met): (<Self as Vector<S>>::Lanes, u32) =
+                    if SEARCH == Search::SolidBoxes as u8 {
+                        self.nodes[$index].meet::<S, _, true>(simd, boxes, limit)
+                    } else {
+                        self.nodes[$index].meet::<S, _, false>(simd, boxes, limit)
+                    };
+                met
+            }};
+        }
+        // Nodes on the way down, and a bit for each of their boxes that is still to be looked into.
+        let mut waiting = Stack::<(u32, u32), WAITING>::new();
+        let (mut node, mut rest) = (0_usize, meet!(0));
+        loop {
+            if rest == 0 {
+                match waiting.pop() {
+                    None => return false,
+                    Some((above, lanes)) => (node, rest) = (above as usize, lanes),
+                }
+            }
+            let lane = rest.ilog2() as usize % N;
+            rest &= !(1 << lane);
+            match self.nodes[node].children[lane].content() {
+                Content::Node(index) => {
+                    let met = meet!(index);
+                    if met != 0 {
+                        if rest != 0 {
+                            let fits = waiting.push((node as u32, rest)).is_ok();
+                            debug_assert!(fits, "the tree was built for fewer");
+                        }
+                        (node, rest) = (index, met);
+                    }
+                }
+                Content::Block(kind, index) => {
+                    let found: Found<'_, f32x8<S>, LEAF> =
+                        self.blocks.meet(simd, kind, index, terms, limit);
+                    match visit.visit::<S, _, LEAF>(found, limit) {
+                        Some(nearer) => limit = nearer,
+                        None => return true,
+                    }
+                }
+            }
+        }
+    }
+
+    /// As `descend`, where they do.
+    #[inline(always)]
+    fn descend_nearest<S: Simd, const SEARCH: u8>(
+        &self,
+        simd: S,
+        terms: &RayTerms<'_>,
+        boxes: &NodeTerms,
         mut limit: f32,
         mut visit: impl Visit,
     ) -> bool
@@ -330,10 +417,9 @@ impl<const N: usize> Tree<N> {
                             node.meet::<S, _, false>(simd, boxes, limit)
                         };
                     if met != 0 {
-                        let mut entries = [0.0; N];
-                        if ORDERED {
-                            entry.store_slice(&mut entries);
-                        }
+                        let mut entries = Aligned([0.0; N]);
+                        entry.store_slice(&mut entries.0);
+                        let entries = &entries.0;
                         let mut take = || {
                             let lane = met.trailing_zeros() as usize % N;
                             met &= met - 1;
@@ -346,12 +432,14 @@ impl<const N: usize> Tree<N> {
                         while rest != 0 {
                             let mut place;
                             (place, rest) = take();
-                            if ORDERED {
-                                for other in &mut waiting[first..] {
-                                    (*other, place) = ((*other).max(place), (*other).min(place));
+                            // Most often there is none.
+                            if let Some(others) = waiting.get_mut(first..) {
+                                for other in others {
+                                    (*other, place) =
+                                        ((*other).max(place), (*other).min(place));
                                 }
-                                (place, nearest) = (place.max(nearest), place.min(nearest));
                             }
+                            (place, nearest) = (place.max(nearest), place.min(nearest));
                             let fits = waiting.push(place).is_ok();
                             debug_assert!(fits, "the tree was built for fewer");
                         }
@@ -364,7 +452,7 @@ impl<const N: usize> Tree<N> {
                         self.blocks.meet(simd, kind, index, terms, limit);
                     match visit.visit::<S, _, LEAF>(found, limit) {
                         Some(nearer) => {
-                            if ORDERED && nearer < limit {
+                            if nearer < limit {
                                 // What is too far now goes at once, and without a branch for each.
                                 let last = Child::last_at(nearer);
                                 let mut kept = 0;
@@ -503,7 +591,7 @@ impl Visit for TakeNearest<'_> {
         while met != 0 {
             let lane = met.trailing_zeros() as usize % N;
             met &= met - 1;
-            self.nearest.offer(t[lane], found.labels.objects[lane]);
+            self.nearest.offer(t[lane], found.labels().objects[lane]);
         }
         Some(self.nearest.limit())
     }
@@ -522,10 +610,10 @@ impl Visit for UntilDark<'_> {
         limit: f32,
     ) -> Option<f32> {
         let met = without(&found, self.left);
-        if met & found.labels.opaque != 0 {
+        if met & found.labels().opaque != 0 {
             return None;
         }
-        let goes_on = met == 0 || !absorbs_any(met, &found.labels.objects, self.absorb);
+        let goes_on = met == 0 || !absorbs_any(met, &found.labels().objects, self.absorb);
         goes_on.then_some(limit)
     }
 }
@@ -545,7 +633,7 @@ fn absorbs_any(lanes: u32, objects: &[u32], absorb: &mut dyn FnMut(u32) -> bool)
 pub fn without<V, const N: usize>(found: &Found<'_, V, N>, left: u32) -> u32 {
     let mut met = found.lanes;
     if met != 0 && left != u32::MAX {
-        for (lane, &object) in found.labels.objects.iter().enumerate() {
+        for (lane, &object) in found.labels().objects.iter().enumerate() {
             met &= !(u32::from(object == left) << lane);
         }
     }
