@@ -67,6 +67,7 @@ mod frustum;
 mod lanes;
 pub mod lockstep;
 mod nodes;
+mod order;
 mod outline;
 mod packet;
 mod parts;
@@ -92,6 +93,9 @@ use parts::Parts;
 use rays::INVERTIBLE;
 use tree::{About, FLAT, Nearest, Search, Tree};
 
+/// Of so many bytes caches soon hold what rays meet, in whatever order they come.
+const NEAR: usize = 2 << 20;
+
 /// A geometry of every kind of object, built for speed.
 #[derive(Debug)]
 pub struct Wide<'a, M> {
@@ -103,6 +107,10 @@ pub struct Wide<'a, M> {
     /// Whether the lanes take every ray.
     takes_any_ray: bool,
     has_cuboids: bool,
+    /// Whether boxes and objects take more memory than is near.
+    is_far: bool,
+    /// The box round all that is in boxes.
+    bounds: [Vec3; 2],
     /// Where all objects are tested, and lanes give the kernels' own answer about all.
     few: Option<Few<'a, M>>,
 }
@@ -152,6 +160,8 @@ impl<'a, M: Finish> Wide<'a, M> {
             loose,
             search: about.search,
             takes_any_ray: about.takes_any_ray,
+            bounds: about.bounds,
+            is_far: about.bytes.iter().sum::<usize>() > NEAR,
             has_cuboids: !parts.cuboids.objects.is_empty(),
             tree,
         }

@@ -35,9 +35,19 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of a number; of others the last.
+    pub const ALL: [Self; 9] = {
+        let mut all = [Self::Other; 9];
+        let mut number = 0;
+        while number < all.len() {
+            all[number] = Self::of(number as u32);
+            number += 1;
+        }
+        all
+    };
+
+    /// The kind of a number, of others the last.
     #[inline(always)]
-    pub fn of(number: u32) -> Self {
+    pub const fn of(number: u32) -> Self {
         match number {
             0 => Self::Sphere,
             1 => Self::HollowSphere,
@@ -50,18 +60,6 @@ impl Kind {
             _ => Self::Other,
         }
     }
-
-    pub const ALL: [Self; 9] = [
-        Self::Sphere,
-        Self::HollowSphere,
-        Self::Triangle,
-        Self::Quad,
-        Self::Outline,
-        Self::Cuboid,
-        Self::Frustum,
-        Self::HollowFrustum,
-        Self::Other,
-    ];
 }
 
 /// The blocks of one kind, and what their lanes stand for.
@@ -317,11 +315,7 @@ impl<const N: usize> Blocks<N> {
 
 impl<'a, V, const N: usize> Found<'a, V, N> {
     #[inline(always)]
-    pub fn new<S: Simd>(
-        meeting: Meeting<V, V::Mask>,
-        labels: &'a [Labels<N>],
-        block: usize,
-    ) -> Self
+    pub fn new<S: Simd>(meeting: Meeting<V, V::Mask>, labels: &'a [Labels<N>], block: usize) -> Self
     where
         V: Lanes<S>,
     {

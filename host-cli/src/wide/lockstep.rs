@@ -17,6 +17,7 @@ use super::across::{self, Near, Terms};
 use super::beams::{Beams, Rows, Set};
 use super::blocks::Kind;
 use super::lanes::{Lanes, Vectors, mask_of};
+use super::order::by_cells;
 use super::packet::{LightOfEach, NearestOfEach, Packet};
 use super::power::powers;
 use super::tree::{Nearest, Search, Tree, Vector};
@@ -60,15 +61,42 @@ pub fn rows<L: LightSource + Copy>(
 }
 
 /// As [`Geometry::closest_hit`] of each ray; fastest where neighbours go about the same way. Calls `meet`
-/// with the index of each ray that hits anything, and its hit, in order.
+/// with the index of each ray that hits anything, and its hit, in an order of its own.
 pub fn closest_hits<'a>(
     geometry: &'a Wide<'_, Material>,
     rays: &[Ray],
     mut meet: impl FnMut(usize, Hit<'a, Material>),
 ) {
-    with_tree!(&geometry.tree, |tree, simd| each_hit(
-        simd, tree, geometry, rays, &mut meet
-    ));
+    in_order(geometry, rays, |rays, place| {
+        let mut meet = |ray, hit| meet(place(ray), hit);
+        with_tree!(&geometry.tree, |tree, simd| each_hit(
+            simd, tree, geometry, rays, &mut meet
+        ));
+    });
+}
+
+/// Calls `cast` with some rays after others, and with what tells the place among all of each of those;
+/// where boxes and objects lie [far](Wide::is_far), in an [order](by_cells) in which that matters less.
+fn in_order(
+    geometry: &Wide<'_, Material>,
+    rays: &[Ray],
+    mut cast: impl FnMut(&[Ray], &dyn Fn(usize) -> usize),
+) {
+    // At least, lest there be next to none in a cell.
+    const MANY: usize = 4096;
+    const AT_A_TIME: usize = 1024;
+    // Rays of one camera come in a good order.
+    let start = rays.first().map(|ray| ray.origin);
+    let is_camera = || rays.iter().all(|ray| Some(ray.origin) == start);
+    if !geometry.is_far || rays.len() < MANY || is_camera() {
+        return cast(rays, &|place| place);
+    }
+    let mut some = Vec::with_capacity(AT_A_TIME);
+    for places in by_cells(rays, geometry.bounds).chunks(AT_A_TIME) {
+        some.clear();
+        some.extend(places.iter().map(|&place| rays[place as usize]));
+        cast(&some, &|index| places[index] as usize);
+    }
 }
 
 #[inline(always)]
@@ -111,9 +139,12 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
 /// As [`Geometry::transmittance`] of each ray, where that is the same for all channels; fastest where
 /// neighbours go about the same way.
 pub fn transmittances(geometry: &Wide<'_, Material>, rays: &[Ray], passed: &mut [f32]) {
-    with_tree!(&geometry.tree, |tree, simd| each_transmittance(
-        simd, tree, geometry, rays, passed
-    ));
+    in_order(geometry, rays, |rays, place| {
+        let mut put = |ray, it| passed[place(ray)] = it;
+        with_tree!(&geometry.tree, |tree, simd| each_transmittance(
+            simd, tree, geometry, rays, &mut put
+        ));
+    });
 }
 
 #[inline(always)]
@@ -122,17 +153,19 @@ fn each_transmittance<S: Simd, V: Lanes<S>, const N: usize>(
     tree: &Tree<N>,
     geometry: &Wide<'_, Material>,
     rays: &[Ray],
-    passed: &mut [f32],
+    put: &mut impl FnMut(usize, f32),
 ) where
     Tree<N>: Vector<S, Lanes = V>,
 {
     let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
     let mut occluder = u32::MAX;
-    for (rays, to) in rays.chunks(N).zip(passed.chunks_mut(N)) {
+    for (first, rays) in (0..).step_by(N).zip(rays.chunks(N)) {
         let active = group.shadows.take(simd, rays, geometry.len());
         let mut passed = [0.0; N];
         group.cast_shadows(simd, active, false, &mut occluder, &mut passed);
-        to.copy_from_slice(&passed[..to.len()]);
+        for (ray, &passed) in (first..).zip(&passed[..rays.len()]) {
+            put(ray, passed);
+        }
     }
 }
 

@@ -117,6 +117,16 @@ impl<const N: usize> Node<N> {
         met::<S, V, SOLID>(simd, [x, y, z], terms.axis, spread, limit)
     }
 
+    /// The box round all of its boxes.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        let least = |row: &[f32; N]| row.iter().copied().fold(f32::INFINITY, f32::min);
+        let most = |row: &[f32; N]| row.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        [
+            Vec3::from_array(self.planes.each_ref().map(|[low, _]| least(low))),
+            Vec3::from_array(self.planes.each_ref().map(|[_, high]| most(high))),
+        ]
+    }
+
     /// For each axis the lower and the upper bounds.
     #[inline(always)]
     pub fn planes(&self) -> &[[[f32; N]; 2]; 3] {

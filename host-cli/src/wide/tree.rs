@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, f32x4, f32x8, f32x16};
 use heapless::Vec as Stack;
-use whitted::{Finish, Ray};
+use whitted::{Finish, Ray, Vec3};
 
 use super::beams::Set;
 use super::blocks::{Blocks, Found, Kind};
@@ -435,8 +435,7 @@ impl<const N: usize> Tree<N> {
                             // Most often there is none.
                             if let Some(others) = waiting.get_mut(first..) {
                                 for other in others {
-                                    (*other, place) =
-                                        ((*other).max(place), (*other).min(place));
+                                    (*other, place) = ((*other).max(place), (*other).min(place));
                                 }
                             }
                             (place, nearest) = (place.max(nearest), place.min(nearest));
@@ -518,6 +517,7 @@ impl<const N: usize> Tree<N> {
                 self.nodes.len() * size_of::<Node<N>>(),
                 self.blocks.bytes() + self.flat.bytes(),
             ],
+            bounds: self.nodes.first().unwrap_or(&Node::EMPTY).bounds(),
         }
     }
 }
@@ -544,6 +544,8 @@ pub struct About {
     pub takes_any_ray: bool,
     /// Of nodes and of blocks.
     pub bytes: [usize; 2],
+    /// The box round all that is in boxes.
+    pub bounds: [Vec3; 2],
 }
 
 /// How to look for what a ray meets.
