@@ -145,10 +145,20 @@ pub fn sqrt(x: f32) -> f32 {
     {
         sqrt_by_digits(x)
     }
+    #[cfg(all(target_arch = "x86_64", target_feature = "sse"))]
+    {
+        use core::arch::x86_64::{_mm_cvtss_f32, _mm_set_ss, _mm_sqrt_ss};
+        // `libm` has SQRTSS in assembly, in an encoding that waits for the upper halves of the registers
+        // where code around it uses them: on Intel's processors for longer than all the rest of a ray
+        // takes. The compiler picks the encoding that fits.
+        // SAFETY: the target has SSE.
+        unsafe { _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(x))) }
+    }
     #[cfg(not(any(
         all(target_arch = "arm", target_abi = "eabihf"),
         riscv_f,
-        narrow_multiply
+        narrow_multiply,
+        all(target_arch = "x86_64", target_feature = "sse")
     )))]
     {
         libm::sqrtf(x)
