@@ -67,36 +67,52 @@ pub fn closest_hits<'a>(
     rays: &[Ray],
     mut meet: impl FnMut(usize, Hit<'a, Material>),
 ) {
-    in_order(geometry, rays, |rays, place| {
-        let mut meet = |ray, hit| meet(place(ray), hit);
-        with_tree!(&geometry.tree, |tree, simd| each_hit(
-            simd, tree, geometry, rays, &mut meet
-        ));
-    });
+    match order(geometry, rays) {
+        None => hits(geometry, rays, &mut meet),
+        Some(order) => in_parts(rays, &order, |rays, places| {
+            hits(geometry, rays, &mut |ray, hit| {
+                meet(places[ray] as usize, hit);
+            });
+        }),
+    }
 }
 
-/// Calls `cast` with some rays after others, and with what tells the place among all of each of those;
-/// where boxes and objects lie [far](Wide::is_far), in an [order](by_cells) in which that matters less.
-fn in_order(
-    geometry: &Wide<'_, Material>,
-    rays: &[Ray],
-    mut cast: impl FnMut(&[Ray], &dyn Fn(usize) -> usize),
-) {
+/// The order in which to cast rays, if it is not theirs: where boxes and objects lie [far](Wide::is_far), it
+/// [matters](by_cells).
+fn order(geometry: &Wide<'_, Material>, rays: &[Ray]) -> Option<Vec<u32>> {
     // At least, lest there be next to none in a cell.
     const MANY: usize = 4096;
-    const AT_A_TIME: usize = 1024;
+    if !geometry.is_far || rays.len() < MANY {
+        return None;
+    }
     // Rays of one camera come in a good order.
     let start = rays.first().map(|ray| ray.origin);
-    let is_camera = || rays.iter().all(|ray| Some(ray.origin) == start);
-    if !geometry.is_far || rays.len() < MANY || is_camera() {
-        return cast(rays, &|place| place);
+    let is_camera = rays.iter().all(|ray| Some(ray.origin) == start);
+    (!is_camera).then(|| by_cells(rays, geometry.bounds))
+}
+
+/// Rays are put in order in parts.
+const AT_A_TIME: usize = 1024;
+
+/// Calls `cast` with some rays after others, in an order, and with their places.
+fn in_parts(rays: &[Ray], order: &[u32], mut cast: impl FnMut(&[Ray], &[u32])) {
+    let mut part = Vec::with_capacity(AT_A_TIME);
+    for places in order.chunks(AT_A_TIME) {
+        part.clear();
+        part.extend(places.iter().map(|&place| rays[place as usize]));
+        cast(&part, places);
     }
-    let mut some = Vec::with_capacity(AT_A_TIME);
-    for places in by_cells(rays, geometry.bounds).chunks(AT_A_TIME) {
-        some.clear();
-        some.extend(places.iter().map(|&place| rays[place as usize]));
-        cast(&some, &|index| places[index] as usize);
-    }
+}
+
+/// As [`closest_hits`], in the rays' order.
+fn hits<'a>(
+    geometry: &'a Wide<'_, Material>,
+    rays: &[Ray],
+    meet: &mut impl FnMut(usize, Hit<'a, Material>),
+) {
+    with_tree!(&geometry.tree, |tree, simd| each_hit(
+        simd, tree, geometry, rays, meet
+    ));
 }
 
 #[inline(always)]
@@ -139,12 +155,24 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
 /// As [`Geometry::transmittance`] of each ray, where that is the same for all channels; fastest where
 /// neighbours go about the same way.
 pub fn transmittances(geometry: &Wide<'_, Material>, rays: &[Ray], passed: &mut [f32]) {
-    in_order(geometry, rays, |rays, place| {
-        let mut put = |ray, it| passed[place(ray)] = it;
+    let cast = |rays: &[Ray], passed: &mut [f32]| {
         with_tree!(&geometry.tree, |tree, simd| each_transmittance(
-            simd, tree, geometry, rays, &mut put
+            simd, tree, geometry, rays, passed
         ));
-    });
+    };
+    match order(geometry, rays) {
+        None => cast(rays, passed),
+        Some(order) => {
+            let mut part = [0.0; AT_A_TIME];
+            in_parts(rays, &order, |rays, places| {
+                let part = &mut part[..rays.len()];
+                cast(rays, part);
+                for (&place, &it) in places.iter().zip(&*part) {
+                    passed[place as usize] = it;
+                }
+            });
+        }
+    }
 }
 
 #[inline(always)]
@@ -153,19 +181,17 @@ fn each_transmittance<S: Simd, V: Lanes<S>, const N: usize>(
     tree: &Tree<N>,
     geometry: &Wide<'_, Material>,
     rays: &[Ray],
-    put: &mut impl FnMut(usize, f32),
+    passed: &mut [f32],
 ) where
     Tree<N>: Vector<S, Lanes = V>,
 {
     let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
     let mut occluder = u32::MAX;
-    for (first, rays) in (0..).step_by(N).zip(rays.chunks(N)) {
+    for (rays, to) in rays.chunks(N).zip(passed.chunks_mut(N)) {
         let active = group.shadows.take(simd, rays, geometry.len());
         let mut passed = [0.0; N];
         group.cast_shadows(simd, active, false, &mut occluder, &mut passed);
-        for (ray, &passed) in (first..).zip(&passed[..rays.len()]) {
-            put(ray, passed);
-        }
+        to.copy_from_slice(&passed[..to.len()]);
     }
 }
 

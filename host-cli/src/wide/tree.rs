@@ -272,9 +272,9 @@ impl<const N: usize> Tree<N> {
                     // Of most kinds there is none.
                     if self.flat_kinds & 1 << Kind::$kind as u8 != 0 {
                         let shelf = &self.flat.$shelf;
-                        for (index, $block) in shelf.blocks.iter().enumerate() {
+                        for ($block, labels) in shelf.blocks.iter().zip(&shelf.labels) {
                             let found: Found<'_, Many<S, Self>, N> =
-                                Found::new($meeting, &shelf.labels, index);
+                                Found::new($meeting, core::slice::from_ref(labels), 0);
                             match visit.visit::<S, _, N>(found, limit) {
                                 Some(nearer) => limit = nearer,
                                 None => return true,
