@@ -107,10 +107,8 @@ pub struct Wide<'a, M> {
     /// Whether the lanes take every ray.
     takes_any_ray: bool,
     has_cuboids: bool,
-    /// Whether boxes and objects take more memory than is near.
-    is_far: bool,
-    /// The box round all that is in boxes.
-    bounds: [Vec3; 2],
+    /// Where boxes and objects take more memory than is near, the box round all of them.
+    far: Option<[Vec3; 2]>,
     /// Where all objects are tested, and lanes give the kernels' own answer about all.
     few: Option<Few<'a, M>>,
 }
@@ -160,8 +158,7 @@ impl<'a, M: Finish> Wide<'a, M> {
             loose,
             search: about.search,
             takes_any_ray: about.takes_any_ray,
-            bounds: about.bounds,
-            is_far: about.bytes.iter().sum::<usize>() > NEAR,
+            far: (about.bounds).filter(|_| about.bytes.iter().sum::<usize>() > NEAR),
             has_cuboids: !parts.cuboids.objects.is_empty(),
             tree,
         }

@@ -680,25 +680,38 @@ fn rays_put_in_order_are_answered_as_the_kernels_do() {
     for style in STYLES {
         let scene = Owned::new(style, &mut random);
         let kinds = scene.kinds();
-        let mut wide = Wide::with(kinds, Level::new(), 0);
-        // As if there were more.
-        wide.is_far = true;
-        let rays: Vec<_> = (0..5000).map(|_| scene.ray(&mut random)).collect();
-        let mut hits = vec![None; rays.len()];
-        let (mut last, mut turns) = (0, 0);
-        lockstep::closest_hits(&wide, &rays, |ray, hit| {
-            assert!(hits[ray].replace(hit).is_none(), "{ray} comes twice");
-            turns += u32::from(ray < last);
-            last = ray;
-        });
-        assert!(turns > 4, "{style:?}: the order is that of the rays");
-        let mut passed = vec![f32::NAN; rays.len()];
-        lockstep::transmittances(&wide, &rays, &mut passed);
-        for ((ray, hit), passed) in rays.iter().zip(hits).zip(passed) {
-            let expected = kinds.closest_hit(ray);
-            assert_eq!(bits(hit), bits(expected), "{style:?} {ray:?}");
-            let light = kinds.transmittance(ray).x;
-            assert_eq!(passed.to_bits(), light.to_bits(), "{style:?} {ray:?}");
+        // The last group is not whole.
+        let rays: Vec<_> = (0..5001).map(|_| scene.ray(&mut random)).collect();
+        for (name, level) in levels() {
+            let mut wide = Wide::with(kinds, level, 0);
+            // As if there were more.
+            wide.far = Some([style.offset - 2.0, style.offset + 2.0]);
+            let mut hits = vec![None; rays.len()];
+            let (mut last, mut turns) = (0, 0);
+            lockstep::closest_hits(&wide, &rays, |ray, hit| {
+                assert!(hits[ray].replace(hit).is_none(), "{ray} comes twice");
+                turns += u32::from(ray < last);
+                last = ray;
+            });
+            assert!(
+                turns > 100,
+                "{name} {style:?}: the order is that of the rays"
+            );
+            // One place less than there are rays.
+            let mut passed = vec![f32::NAN; rays.len() - 1];
+            lockstep::transmittances(&wide, &rays, &mut passed);
+            for (ray, hit) in rays.iter().zip(hits) {
+                let expected = kinds.closest_hit(ray);
+                assert_eq!(bits(hit), bits(expected), "{name} {style:?} {ray:?}");
+            }
+            for (ray, passed) in rays.iter().zip(passed) {
+                let light = kinds.transmittance(ray).x;
+                assert_eq!(
+                    passed.to_bits(),
+                    light.to_bits(),
+                    "{name} {style:?} {ray:?}"
+                );
+            }
         }
     }
 }

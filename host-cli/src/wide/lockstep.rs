@@ -77,18 +77,15 @@ pub fn closest_hits<'a>(
     }
 }
 
-/// The order in which to cast rays, if it is not theirs: where boxes and objects lie [far](Wide::is_far), it
+/// The order in which to cast rays, if it is not theirs: where boxes and objects lie [far](Wide::far), it
 /// [matters](by_cells).
 fn order(geometry: &Wide<'_, Material>, rays: &[Ray]) -> Option<Vec<u32>> {
-    // At least, lest there be next to none in a cell.
-    const MANY: usize = 4096;
-    if !geometry.is_far || rays.len() < MANY {
-        return None;
-    }
+    // Fewer have too little in common.
+    const ENOUGH: usize = 4096;
+    let bounds = geometry.far.filter(|_| rays.len() >= ENOUGH)?;
     // Rays of one camera come in a good order.
-    let start = rays.first().map(|ray| ray.origin);
-    let is_camera = rays.iter().all(|ray| Some(ray.origin) == start);
-    (!is_camera).then(|| by_cells(rays, geometry.bounds))
+    let is_camera = rays.iter().all(|ray| ray.origin == rays[0].origin);
+    (!is_camera).then(|| by_cells(rays, bounds))
 }
 
 /// Rays are put in order in parts.
@@ -153,8 +150,9 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
 }
 
 /// As [`Geometry::transmittance`] of each ray, where that is the same for all channels; fastest where
-/// neighbours go about the same way.
+/// neighbours go about the same way. Of rays and places for answers, what there is more of is left alone.
 pub fn transmittances(geometry: &Wide<'_, Material>, rays: &[Ray], passed: &mut [f32]) {
+    let rays = &rays[..rays.len().min(passed.len())];
     let cast = |rays: &[Ray], passed: &mut [f32]| {
         with_tree!(&geometry.tree, |tree, simd| each_transmittance(
             simd, tree, geometry, rays, passed

@@ -163,8 +163,9 @@ pub fn met<S: Simd, V: Lanes<S>, const SOLID: bool>(
         _ => z,
     };
     let spread = spread();
-    let near = near.max(zero).max(entry - spread);
-    let far = far.min(limit).min(exit + spread);
+    let near = (entry - spread).max(near.max(zero));
+    // Of what is no number, as a limit may be, the last one.
+    let far = (exit + spread).min(far.min(limit));
     let met = entry.simd_le(exit) & near.simd_le(far);
     (near, met.to_bitmask() as u32)
 }

@@ -58,6 +58,27 @@ mod tests {
     }
 
     #[test]
+    fn cells_follow_the_curve_and_ways_all_signs() {
+        let ray = |cell: [f32; 3], signs: [f32; 3]| {
+            Ray::new(Vec3::from_array(cell) + 0.5, Vec3::from_array(signs))
+        };
+        let up = [1.0; 3];
+        let rays = [
+            ray([0.0, 32.0, 0.0], up),
+            ray([1.0, 0.0, 0.0], up),
+            ray([0.0, 1.0, 0.0], up),
+            ray([0.0, 0.0, 1.0], up),
+            ray([0.0; 3], [-1.0, 1.0, 1.0]),
+            ray([0.0; 3], [1.0, -1.0, 1.0]),
+            ray([0.0; 3], up),
+        ];
+        assert_eq!(
+            by_cells(&rays, [Vec3::ZERO, Vec3::splat(64.0)]),
+            [6, 5, 4, 3, 2, 1, 0]
+        );
+    }
+
+    #[test]
     fn every_ray_comes_once_whatever_its_numbers() {
         let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, -0.0];
         let rays = odd.map(|x| Ray::new(Vec3::splat(x), Vec3::splat(-x)));

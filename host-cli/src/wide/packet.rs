@@ -349,8 +349,8 @@ impl<const N: usize> Tree<N> {
                         if met != 0 {
                             let mut place = (entries[child], node.children[child], met);
                             // The nearest is next.
-                            if ordered && let Some(others) = waiting.get_mut(first..) {
-                                for other in others {
+                            if ordered {
+                                for other in &mut waiting[first..] {
                                     if other.0 < place.0 {
                                         core::mem::swap(other, &mut place);
                                     }

@@ -321,10 +321,33 @@ impl<const N: usize> Tree<N> {
     where
         Self: Vector<S>,
     {
+        // The terms stay in memory, from where lanes are loaded for nothing: in vectors, they would take
+        // the registers of the boxes' terms.
+        let terms = black_box(terms);
         if ORDERED {
             self.descend_nearest::<S, SEARCH>(simd, terms, boxes, limit, visit)
         } else {
             self.descend_any::<S, SEARCH>(simd, terms, boxes, limit, visit)
+        }
+    }
+
+    /// As [`Node::meet`].
+    #[inline(always)]
+    fn meet<S: Simd, const SEARCH: u8>(
+        &self,
+        simd: S,
+        node: usize,
+        boxes: &NodeTerms,
+        limit: f32,
+    ) -> (Many<S, Self>, u32)
+    where
+        Self: Vector<S>,
+    {
+        let node = &self.nodes[node];
+        if SEARCH == Search::SolidBoxes as u8 {
+            node.meet::<S, _, true>(simd, boxes, limit)
+        } else {
+            node.meet::<S, _, false>(simd, boxes, limit)
         }
     }
 
@@ -335,42 +358,30 @@ impl<const N: usize> Tree<N> {
         simd: S,
         terms: &RayTerms<'_>,
         boxes: &NodeTerms,
-        mut limit: f32,
+        limit: f32,
         mut visit: impl Visit,
     ) -> bool
     where
         Self: Vector<S>,
     {
-        let terms = black_box(terms);
-        macro_rules! meet {
-            ($index:expr) => {{
-                let (_, met): (<Self as Vector<S>>::Lanes, u32) =
-                    if SEARCH == Search::SolidBoxes as u8 {
-                        self.nodes[$index].meet::<S, _, true>(simd, boxes, limit)
-                    } else {
-                        self.nodes[$index].meet::<S, _, false>(simd, boxes, limit)
-                    };
-                met
-            }};
-        }
         // Nodes on the way down, and a bit for each of their boxes that is still to be looked into.
-        let mut waiting = Stack::<(u32, u32), WAITING>::new();
-        let (mut node, mut rest) = (0_usize, meet!(0));
+        let mut waiting = Stack::<(usize, u32), WAITING>::new();
+        let (mut node, mut rest) = (0, self.meet::<S, SEARCH>(simd, 0, boxes, limit).1);
         loop {
             if rest == 0 {
                 match waiting.pop() {
                     None => return false,
-                    Some((above, lanes)) => (node, rest) = (above as usize, lanes),
+                    Some(above) => (node, rest) = above,
                 }
             }
             let lane = rest.ilog2() as usize % N;
             rest &= !(1 << lane);
             match self.nodes[node].children[lane].content() {
                 Content::Node(index) => {
-                    let met = meet!(index);
+                    let (_, met) = self.meet::<S, SEARCH>(simd, index, boxes, limit);
                     if met != 0 {
                         if rest != 0 {
-                            let fits = waiting.push((node as u32, rest)).is_ok();
+                            let fits = waiting.push((node, rest)).is_ok();
                             debug_assert!(fits, "the tree was built for fewer");
                         }
                         (node, rest) = (index, met);
@@ -379,9 +390,8 @@ impl<const N: usize> Tree<N> {
                 Content::Block(kind, index) => {
                     let found: Found<'_, f32x8<S>, LEAF> =
                         self.blocks.meet(simd, kind, index, terms, limit);
-                    match visit.visit::<S, _, LEAF>(found, limit) {
-                        Some(nearer) => limit = nearer,
-                        None => return true,
+                    if visit.visit::<S, _, LEAF>(found, limit).is_none() {
+                        return true;
                     }
                 }
             }
@@ -401,21 +411,13 @@ impl<const N: usize> Tree<N> {
     where
         Self: Vector<S>,
     {
-        // The terms stay in memory, from where lanes are loaded for nothing: in vectors, they would take
-        // the registers of the boxes' terms.
-        let terms = black_box(terms);
         let mut waiting = Stack::<i64, WAITING>::new();
         let mut next = Child::node(0);
         loop {
             match next.content() {
                 Content::Node(index) => {
                     let node = &self.nodes[index];
-                    let (entry, mut met): (<Self as Vector<S>>::Lanes, u32) =
-                        if SEARCH == Search::SolidBoxes as u8 {
-                            node.meet::<S, _, true>(simd, boxes, limit)
-                        } else {
-                            node.meet::<S, _, false>(simd, boxes, limit)
-                        };
+                    let (entry, mut met) = self.meet::<S, SEARCH>(simd, index, boxes, limit);
                     if met != 0 {
                         let mut entries = Aligned([0.0; N]);
                         entry.store_slice(&mut entries.0);
@@ -432,11 +434,8 @@ impl<const N: usize> Tree<N> {
                         while rest != 0 {
                             let mut place;
                             (place, rest) = take();
-                            // Most often there is none.
-                            if let Some(others) = waiting.get_mut(first..) {
-                                for other in others {
-                                    (*other, place) = ((*other).max(place), (*other).min(place));
-                                }
+                            for other in &mut waiting[first..] {
+                                (*other, place) = ((*other).max(place), (*other).min(place));
                             }
                             (place, nearest) = (place.max(nearest), place.min(nearest));
                             let fits = waiting.push(place).is_ok();
@@ -517,7 +516,7 @@ impl<const N: usize> Tree<N> {
                 self.nodes.len() * size_of::<Node<N>>(),
                 self.blocks.bytes() + self.flat.bytes(),
             ],
-            bounds: self.nodes.first().unwrap_or(&Node::EMPTY).bounds(),
+            bounds: self.nodes.first().map(Node::bounds),
         }
     }
 }
@@ -544,8 +543,8 @@ pub struct About {
     pub takes_any_ray: bool,
     /// Of nodes and of blocks.
     pub bytes: [usize; 2],
-    /// The box round all that is in boxes.
-    pub bounds: [Vec3; 2],
+    /// The box round all that is in boxes, if there are any.
+    pub bounds: Option<[Vec3; 2]>,
 }
 
 /// How to look for what a ray meets.
@@ -612,11 +611,12 @@ impl Visit for UntilDark<'_> {
         limit: f32,
     ) -> Option<f32> {
         let met = without(&found, self.left);
-        if met & found.labels().opaque != 0 {
-            return None;
+        if met == 0 {
+            return Some(limit);
         }
-        let goes_on = met == 0 || !absorbs_any(met, &found.labels().objects, self.absorb);
-        goes_on.then_some(limit)
+        let labels = found.labels();
+        let dark = met & labels.opaque != 0 || absorbs_any(met, &labels.objects, self.absorb);
+        (!dark).then_some(limit)
     }
 }
 
