@@ -10,6 +10,8 @@ use serde::de::DeserializeOwned;
 /// A line of `cycles.csv`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Price {
+    /// By which compiler, and with which core library.
+    pub compiler: String,
     /// As in [`whitted_methods::price::Entry`].
     pub stage: String,
     /// Which inputs.

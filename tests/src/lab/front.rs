@@ -332,6 +332,7 @@ mod tests {
             band: 0.0,
         };
         let price = |method: &str, cycles| Price {
+            compiler: "rustc 1".into(),
             stage: "sphere".into(),
             case: "hit".into(),
             method: method.into(),

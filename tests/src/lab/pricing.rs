@@ -72,6 +72,7 @@ const PROGRAMS: [(&str, Show); 2] = [("methods", price::all), ("joined", price::
 /// Where the firmware cannot be built, run or counted; `tests/embedded.sh setup` installs what that
 /// takes.
 pub fn measure() -> Result<Vec<Price>> {
+    let compiler = firmware::compiler()?.context("no compiler")?;
     let mut prices = Vec::new();
     for (name, target) in [(TARGET, CORTEX_M4F), ("cortex-m0", CORTEX_M0)] {
         for (program, show) in PROGRAMS {
@@ -85,7 +86,7 @@ pub fn measure() -> Result<Vec<Price>> {
                     empty = Some(count);
                 } else {
                     let empty = empty.as_ref().context("the empty method comes first")?;
-                    prices.push(count.price(entry, empty, name, &counted.image));
+                    prices.push(count.price(entry, empty, &compiler, name, &counted.image));
                 }
             }
         }
@@ -153,10 +154,18 @@ impl Count {
         })
     }
 
-    fn price(&self, entry: &Entry, empty: &Self, target: &str, image: &Image) -> Price {
+    fn price(
+        &self,
+        entry: &Entry,
+        empty: &Self,
+        compiler: &str,
+        target: &str,
+        image: &Image,
+    ) -> Price {
         let each = |all: u64, empty: u64| (all as f64 - empty as f64) / f64::from(entry.calls);
         let own = self.functions.difference(&empty.functions);
         Price {
+            compiler: compiler.into(),
             stage: entry.stage.into(),
             case: entry.case.into(),
             method: entry.method.into(),
