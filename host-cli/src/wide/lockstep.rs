@@ -67,13 +67,14 @@ pub fn closest_hits<'a>(
     rays: &[Ray],
     mut meet: impl FnMut(usize, Hit<'a, Material>),
 ) {
+    let mut cast = |rays: &[Ray], places: Option<&[u32]>| {
+        with_tree!(&geometry.tree, |tree, simd| each_hit(
+            simd, tree, geometry, rays, places, &mut meet
+        ));
+    };
     match order(geometry, rays) {
-        None => hits(geometry, rays, &mut meet),
-        Some(order) => in_parts(rays, &order, |rays, places| {
-            hits(geometry, rays, &mut |ray, hit| {
-                meet(places[ray] as usize, hit);
-            });
-        }),
+        None => cast(rays, None),
+        Some(order) => in_parts(rays, &order, |rays, places| cast(rays, Some(places))),
     }
 }
 
@@ -101,23 +102,14 @@ fn in_parts(rays: &[Ray], order: &[u32], mut cast: impl FnMut(&[Ray], &[u32])) {
     }
 }
 
-/// As [`closest_hits`], in the rays' order.
-fn hits<'a>(
-    geometry: &'a Wide<'_, Material>,
-    rays: &[Ray],
-    meet: &mut impl FnMut(usize, Hit<'a, Material>),
-) {
-    with_tree!(&geometry.tree, |tree, simd| each_hit(
-        simd, tree, geometry, rays, meet
-    ));
-}
-
+/// As [`closest_hits`], in the rays' order; `places` are what to call them by.
 #[inline(always)]
 fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
     simd: S,
     tree: &'a Tree<N>,
     geometry: &'a Wide<'_, Material>,
     rays: &[Ray],
+    places: Option<&[u32]>,
     meet: &mut impl FnMut(usize, Hit<'a, Material>),
 ) where
     Tree<N>: Vector<S, Lanes = V>,
@@ -144,7 +136,8 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
                 object: found.object[lane] as usize,
                 material,
             };
-            meet(first + lane, hit);
+            let ray = first + lane;
+            meet(places.map_or(ray, |it| it[ray] as usize), hit);
         }
     }
 }
