@@ -363,6 +363,8 @@ fn bands<E>(
         pixels.resize(height * width, Vec3::ZERO);
         counters += pixels
             .par_chunks_mut(band_height * width)
+            // Bands take as long as what they show: none waits behind another while a processor is idle.
+            .with_max_len(1)
             .enumerate()
             .map(|(place, pixels)| {
                 let row = start + (place * band_height) as u32;
@@ -383,13 +385,19 @@ fn bands<E>(
 
 /// Pixels as bytes: red, green, blue.
 pub fn encode(pixels: &[Vec3], transfer: Transfer) -> Vec<u8> {
-    pixels
-        .par_iter()
-        .flat_map_iter(|&pixel| match transfer {
-            Transfer::Linear => to_rgb8(pixel),
-            Transfer::Srgb => pixel.to_array().map(|it| quantize(srgb(it))),
-        })
-        .collect()
+    const AT_A_TIME: usize = 1 << 12;
+    let mut bytes = vec![[0; 3]; pixels.len()];
+    (bytes.par_chunks_mut(AT_A_TIME))
+        .zip(pixels.par_chunks(AT_A_TIME))
+        .for_each(|(bytes, pixels)| {
+            for (bytes, &pixel) in bytes.iter_mut().zip(pixels) {
+                *bytes = match transfer {
+                    Transfer::Linear => to_rgb8(pixel),
+                    Transfer::Srgb => pixel.to_array().map(|it| quantize(srgb(it))),
+                };
+            }
+        });
+    bytes.into_flattened()
 }
 
 /// What a display is to be sent for an amount of light, both from 0 to 1.
