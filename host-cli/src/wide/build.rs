@@ -50,46 +50,135 @@ pub enum Method {
     Halves,
 }
 
+/// Below so many items, to share a subtree out among threads costs more than it spares.
+const SHARED: usize = 1024;
+
+/// So deep at most: a tree may be deeper than a stack.
+const SHARED_DEPTH: u32 = 24;
+
 /// Reorders items and builds the binary tree over them, root first. A leaf holds at most `leaf`
 /// items, all of one kind.
+///
+/// Large subtrees are grown by whichever thread is free; the tree is the same.
 pub fn binary(
     items: &mut [Item],
-    leaf: impl Fn(Kind) -> usize + Copy,
+    leaf: impl Fn(Kind) -> usize + Copy + Sync,
     method: Method,
 ) -> Vec<Binary> {
+    let root = Binary::leaf(bounds_of(items), 0, items.len());
+    let grown = grow(items, root, leaf, method, SHARED_DEPTH);
     let mut nodes = Vec::with_capacity(items.len());
-    nodes.push(Binary {
-        bounds: bounds_of(items),
-        first: 0,
-        count: items.len() as u32,
-    });
-    // Each becomes a leaf or two smaller nodes.
-    let mut pending = vec![0];
-    while let Some(place) = pending.pop() {
-        let node: Binary = nodes[place];
-        let range = node.first as usize..(node.first + node.count) as usize;
-        if let Some(split) = split(&mut items[range.clone()], leaf, method) {
-            nodes[place].first = nodes.len() as u32;
-            nodes[place].count = 0;
-            for (bounds, range) in [
-                (split.bounds[0], range.start..range.start + split.at),
-                (split.bounds[1], range.start + split.at..range.end),
-            ] {
-                pending.push(nodes.len());
-                nodes.push(Binary {
-                    bounds,
-                    first: range.start as u32,
-                    count: range.len() as u32,
-                });
+    // Each is to be put where it belongs.
+    let mut pending = vec![(grown, 0)];
+    nodes.push(root);
+    while let Some((grown, place)) = pending.pop() {
+        match grown {
+            Grown::Nodes(mut below) => {
+                // The root has a place; the others follow.
+                let offset = nodes.len() as u32 - 1;
+                for node in &mut below {
+                    node.first += if node.count == 0 { offset } else { 0 };
+                }
+                nodes[place] = below[0];
+                nodes.extend_from_slice(&below[1..]);
+            }
+            Grown::Halves(halves) => {
+                let first = nodes.len();
+                nodes[place].first = first as u32;
+                nodes[place].count = 0;
+                for ((node, half), place) in halves.into_iter().zip(first..) {
+                    nodes.push(node);
+                    pending.push((half, place));
+                }
             }
         }
     }
     nodes
 }
 
+/// What became of a node.
+enum Grown {
+    /// All below it and itself, which is the first. Places of nodes count from there.
+    Nodes(Vec<Binary>),
+    /// Two nodes, and what became of them.
+    Halves(Box<[(Binary, Grown); 2]>),
+}
+
+/// Parts the items of a node, and those of its parts, until they are leaves; the first levels by whichever
+/// thread is free.
+fn grow(
+    items: &mut [Item],
+    node: Binary,
+    leaf: impl Fn(Kind) -> usize + Copy + Sync,
+    method: Method,
+    levels: u32,
+) -> Grown {
+    if items.len() < SHARED || levels == 0 {
+        return Grown::Nodes(subtree(items, node, leaf, method));
+    }
+    let Some(split) = split(items, leaf, method) else {
+        return Grown::Nodes(vec![node]);
+    };
+    let halves = split.halves(node);
+    let (left, right) = items.split_at_mut(split.at);
+    let (left, right) = rayon::join(
+        || grow(left, halves[0], leaf, method, levels - 1),
+        || grow(right, halves[1], leaf, method, levels - 1),
+    );
+    Grown::Halves(Box::new([(halves[0], left), (halves[1], right)]))
+}
+
+/// The nodes from one on, whose items these are.
+fn subtree(
+    items: &mut [Item],
+    root: Binary,
+    leaf: impl Fn(Kind) -> usize + Copy,
+    method: Method,
+) -> Vec<Binary> {
+    let start = root.first as usize;
+    let mut nodes = Vec::with_capacity(items.len());
+    nodes.push(root);
+    // Each becomes a leaf or two smaller nodes.
+    let mut pending = vec![0];
+    while let Some(place) = pending.pop() {
+        let node: Binary = nodes[place];
+        let first = node.first as usize - start;
+        if let Some(split) = split(&mut items[first..][..node.count as usize], leaf, method) {
+            nodes[place].first = nodes.len() as u32;
+            nodes[place].count = 0;
+            for half in split.halves(node) {
+                pending.push(nodes.len());
+                nodes.push(half);
+            }
+        }
+    }
+    nodes
+}
+
+impl Binary {
+    fn leaf(bounds: Bounds, first: usize, count: usize) -> Self {
+        Self {
+            bounds,
+            first: first as u32,
+            count: count as u32,
+        }
+    }
+}
+
 struct Split {
     at: usize,
     bounds: [Bounds; 2],
+}
+
+impl Split {
+    /// Both parts of a node, for now leaves.
+    fn halves(&self, node: Binary) -> [Binary; 2] {
+        let (first, count) = (node.first as usize, node.count as usize);
+        [
+            Binary::leaf(self.bounds[0], first, self.at),
+            Binary::leaf(self.bounds[1], first + self.at, count - self.at),
+        ]
+    }
 }
 
 fn bounds_of(items: &[Item]) -> Bounds {
@@ -296,6 +385,83 @@ impl<'a, const N: usize> Collapse<'a, N> {
                 below.push(place);
             } else {
                 self.part(place, width, below);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes about a curve, some of them equal.
+    fn items() -> Vec<Item> {
+        let coordinate = |i: u32, rate: f32| (i as f32 * rate).sin();
+        let item = |i: u32| {
+            let min = Vec3A::new(
+                coordinate(i / 3, 1.0),
+                coordinate(i / 3, 0.37),
+                coordinate(i / 3, 0.11),
+            );
+            Item {
+                bounds: Bounds {
+                    min,
+                    max: min + 0.01,
+                },
+                kind: if i.is_multiple_of(7) {
+                    Kind::Sphere
+                } else {
+                    Kind::Triangle
+                },
+                object: i,
+            }
+        };
+        (0..5000).map(item).collect()
+    }
+
+    /// Leaves from left to right, and how deep each lies.
+    fn leaves(nodes: &[Binary]) -> Vec<(usize, u32, u32)> {
+        let mut leaves = Vec::new();
+        let mut pending = vec![(0, 0)];
+        while let Some((place, depth)) = pending.pop() {
+            let node: &Binary = &nodes[place];
+            if node.count > 0 {
+                leaves.push((depth, node.first, node.count));
+            } else {
+                let first = node.first as usize;
+                assert!(first > place, "children stand behind their parents");
+                pending.extend([(first + 1, depth + 1), (first, depth + 1)]);
+            }
+        }
+        leaves
+    }
+
+    #[test]
+    fn shared_subtrees_are_those_of_one_thread() {
+        for method in [Method::Area, Method::Halves] {
+            let mut alone = items();
+            let root = Binary::leaf(bounds_of(&alone), 0, alone.len());
+            let expected = leaves(&subtree(&mut alone, root, |_| 8, method));
+            let counts: usize = expected.iter().map(|leaf| leaf.2 as usize).sum();
+            assert_eq!(counts, alone.len());
+            for threads in [1, 3] {
+                let mut shared = items();
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+                let pool = pool.build().unwrap();
+                let nodes = pool.install(|| binary(&mut shared, |_| 8, method));
+                assert_eq!(nodes.len(), 2 * expected.len() - 1);
+                assert_eq!(leaves(&nodes), expected);
+                let objects = |items: &[Item]| items.iter().map(|it| it.object).collect::<Vec<_>>();
+                assert_eq!(objects(&shared), objects(&alone));
+                for node in &nodes {
+                    let inner = node.count == 0;
+                    let within = |it: &Binary| {
+                        it.bounds.min.cmpge(node.bounds.min).all()
+                            && it.bounds.max.cmple(node.bounds.max).all()
+                    };
+                    let first = node.first as usize;
+                    assert!(!inner || nodes[first..first + 2].iter().all(within));
+                }
             }
         }
     }
