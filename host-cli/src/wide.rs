@@ -78,20 +78,21 @@ mod tree;
 
 use core::any::TypeId;
 
-use fearless_simd::Level;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::x86::{Avx2, Avx512, Sse2};
+use fearless_simd::{Level, Simd, SimdMask};
 use whitted::math::Passage;
 use whitted::{Candidates, Departure, Exact, Finish, Geometry, Math, Ray, Side, Vec3};
 
 pub use parts::{Kinds, Slice};
 
 use across::{Few, PLACES};
-use beams::{Beams, Set};
+use beams::{Beams, Rows, Set};
+use lanes::Lanes;
 use nodes::is_regular;
 use parts::Parts;
 use rays::INVERTIBLE;
-use tree::{About, FLAT, Nearest, Search, Tree};
+use tree::{About, FLAT, Nearest, Search, Tree, Vector};
 
 /// Of so many bytes caches soon hold what rays meet, in whatever order they come.
 const NEAR: usize = 2 << 20;
@@ -107,10 +108,23 @@ pub struct Wide<'a, M> {
     /// Whether the lanes take every ray.
     takes_any_ray: bool,
     has_cuboids: bool,
+    /// Whether an object may be met again by a ray that leaves it outwards.
+    returns_outside: bool,
     /// Where boxes and objects take more memory than is near, the box round all of them.
     far: Option<[Vec3; 2]>,
     /// Where all objects are tested, and lanes give the kernels' own answer about all.
     few: Option<Few<'a, M>>,
+}
+
+/// What lanes leave out of rays: objects in no block, and those that rays leave.
+struct Departures<const N: usize> {
+    /// A bit a lane: which leave a sphere through its other side, before their end, and meet no other of
+    /// these objects.
+    across: u32,
+    /// Of each of those, where.
+    t: [f32; N],
+    /// Which may meet others, a bit a lane.
+    others: u32,
 }
 
 /// A tree, and the instructions that it is for.
@@ -154,6 +168,7 @@ impl<'a, M: Finish> Wide<'a, M> {
             && parts.quadrics.first == parts.len();
         Self {
             few: few.then(|| Few::new(&parts)),
+            returns_outside: (0..parts.len()).any(|it| !parts.is_left_for_good(it, Side::Outside)),
             parts,
             loose,
             search: about.search,
@@ -294,9 +309,9 @@ impl<M> Wide<'_, M> {
 
     /// A bit a lane: which rays may meet the object again that they leave.
     #[inline(always)]
-    fn returning<const N: usize>(&self, few: &Few<'_, M>, beams: &Beams<N>) -> u32 {
+    fn returning<const N: usize>(&self, beams: &Beams<N>) -> u32 {
         let all = u32::MAX >> (32 - N);
-        let lanes = if few.returns_outside {
+        let lanes = if self.returns_outside {
             all
         } else {
             all & beams.inward
@@ -307,6 +322,49 @@ impl<M> Wide<'_, M> {
                 left != u32::MAX && !(self.parts).is_left_for_good(left as usize, beams.side(lane));
             returning | u32::from(returns) << lane
         })
+    }
+
+    /// What lanes leave out of some rays.
+    #[inline(always)]
+    fn departures<S: Simd, V: Lanes<S>, const N: usize>(
+        &self,
+        simd: S,
+        beams: &Beams<N>,
+        active: u32,
+    ) -> Departures<N>
+    where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        let mut departures = Departures {
+            across: 0,
+            t: [0.0; N],
+            others: 0,
+        };
+        if !self.loose.is_empty() {
+            departures.others = active;
+            return departures;
+        }
+        let returning = active & self.returning(beams);
+        if returning == 0 {
+            return departures;
+        }
+        let mut center = Rows::<N>::ZERO;
+        let mut spheres = 0_u32;
+        for lane in Set(returning) {
+            if let Some(sphere) = self.parts.spheres.objects.get(beams.left[lane] as usize) {
+                spheres |= 1 << lane;
+                center.set(lane, sphere.shape.center);
+            }
+        }
+        departures.others = returning & !spheres;
+        // As `Sphere::intersect`.
+        let to_center = center.load::<S, V>(simd) - beams.origin.load(simd);
+        let t = to_center.dot(beams.direction.load(simd)) * V::simd_from(simd, 2.0);
+        let ends = V::from_slice(simd, &beams.end);
+        let met = t.simd_gt(V::simd_from(simd, 0.0)) & t.simd_lt(ends);
+        departures.across = met.to_bitmask() as u32 & spheres;
+        t.store_slice(&mut departures.t);
+        departures
     }
 
     /// These objects, each once.

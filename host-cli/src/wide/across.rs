@@ -6,7 +6,7 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask};
 use whitted::math::Transmittance;
-use whitted::{Cuboid, Exact, Finish, Frustum, Plane, Side, Sphere, Vec3};
+use whitted::{Cuboid, Exact, Finish, Frustum, Plane, Sphere, Vec3};
 
 use super::around::{Around, Passing};
 use super::beams::{Beams, Set};
@@ -25,8 +25,6 @@ pub struct Few<'a, M> {
     pub materials: Vec<&'a M>,
     /// Whether no light goes through.
     opaque: Vec<bool>,
-    /// Whether any object may be met again by a ray that leaves its outside.
-    pub returns_outside: bool,
 }
 
 /// By which kernel rays meet an object.
@@ -48,7 +46,6 @@ impl<'a, M: Finish> Few<'a, M> {
             kernels: Vec::with_capacity(parts.len()),
             materials: Vec::with_capacity(parts.len()),
             opaque: (0..parts.len()).map(|it| parts.is_opaque(it)).collect(),
-            returns_outside: (0..parts.len()).any(|it| !parts.is_left_for_good(it, Side::Outside)),
         };
         macro_rules! add {
             ($($part:ident, $kernel:ident, |$shape:ident| $around:expr;)*) => {$(
@@ -349,7 +346,8 @@ fn frustum<S: Simd, V: Lanes<S>>(
 ) -> (Meeting<V, V::Mask>, Apart) {
     let mut meeting = frustum::meet_rays(simd, shape, terms, limit);
     meeting.met &= !left;
-    (meeting, left.to_bitmask() as u32)
+    let returning = terms.inward ^ V::Mask::splat(simd, !frustum::shows_outside(shape));
+    (meeting, (left & returning).to_bitmask() as u32)
 }
 
 /// What rays meet of one object that is in a block, and that they do not leave.

@@ -4,7 +4,7 @@ use fearless_simd::{Select, Simd, SimdMask};
 use whitted::Frustum;
 
 use super::across::Terms;
-use super::lanes::{Lanes, Meeting, Vectors, nothing};
+use super::lanes::{Lanes, Meeting, Vectors, mask_of, nothing};
 use super::rays::RayTerms;
 
 /// `N` frusta that are all visible from outside, or all from inside only.
@@ -87,6 +87,28 @@ pub fn meet_rays<S: Simd, V: Lanes<S>>(
 /// As the kernel asks it.
 pub fn shows_outside(shape: &Frustum) -> bool {
     shape.base_radius + shape.slope * (0.5 * shape.length) > 0.0
+}
+
+/// As `Frustum::normal`, of a frustum and a point on it a lane.
+#[inline(always)]
+pub fn normals<S: Simd, V: Lanes<S>>(
+    simd: S,
+    point: Vectors<V>,
+    base: Vectors<V>,
+    axis: Vectors<V>,
+    slope: V,
+    hollow: V::Mask,
+) -> Vectors<V> {
+    let (zero, one) = (V::simd_from(simd, 0.0), V::simd_from(simd, 1.0));
+    let from_base = point - base;
+    let along = from_base.dot(axis);
+    let across = from_base - axis * along;
+    let square = across.dot(across);
+    let across = across * (one / square.sqrt());
+    let tilted = mask_of(hollow, -across, across) - axis * slope;
+    let unit = tilted * (one / tilted.dot(tilted).sqrt());
+    let at_tip = mask_of(slope.simd_gt(zero), -axis, axis);
+    mask_of(square.simd_gt(zero), unit, at_tip)
 }
 
 /// A frustum a lane.

@@ -48,15 +48,6 @@ impl<V> Vectors<V> {
         }
     }
 
-    /// `v` where `mask` is not set.
-    #[inline(always)]
-    pub fn select<S: Simd>(simd: S, mask: V::Mask, set: Self, v: Vec3) -> Self
-    where
-        V: Lanes<S>,
-    {
-        mask_of(mask, set, Self::splat(simd, v))
-    }
-
     /// Summed as glam's `Vec3::dot` does.
     #[inline(always)]
     pub fn dot<S: Simd>(self, other: Self) -> V

@@ -16,6 +16,7 @@ use super::Wide;
 use super::across::{self, Near, Terms};
 use super::beams::{Beams, Rows, Set};
 use super::blocks::Kind;
+use super::frustum;
 use super::lanes::{Lanes, Vectors, mask_of};
 use super::order::by_cells;
 use super::packet::{LightOfEach, NearestOfEach, Packet};
@@ -114,7 +115,8 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
 ) where
     Tree<N>: Vector<S, Lanes = V>,
 {
-    let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
+    let mut group =
+        Group::<Light, N>::new(Job::dark(geometry), tree, ENOUGH_OF_ANY * N as u32 / 16);
     for (first, rays) in (0..).step_by(N).zip(rays.chunks(N)) {
         let active = group.beams.take(simd, rays, geometry.len());
         let hit = group.nearest(simd, active, false);
@@ -176,7 +178,8 @@ fn each_transmittance<S: Simd, V: Lanes<S>, const N: usize>(
 ) where
     Tree<N>: Vector<S, Lanes = V>,
 {
-    let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
+    let mut group =
+        Group::<Light, N>::new(Job::dark(geometry), tree, ENOUGH_OF_ANY * N as u32 / 16);
     let mut occluder = u32::MAX;
     for (rays, to) in rays.chunks(N).zip(passed.chunks_mut(N)) {
         let active = group.shadows.take(simd, rays, geometry.len());
@@ -223,31 +226,52 @@ fn band<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
 ) where
     Tree<N>: Vector<S, Lanes = V>,
 {
-    let width = view.width as usize;
-    let mut group = Group::new(*job, tree);
+    let camera = &view.camera;
+    let down = camera.down / view.height as f32;
+    let step = Vectors::<V>::splat(simd, camera.right / view.width as f32);
+    let (width, across) = (view.width as usize, N / HEIGHT);
+    let (half, one) = (V::simd_from(simd, 0.5), V::simd_from(simd, 1.0));
+    let mut group = Group::new(*job, tree, ENOUGH_OF_PIXELS);
     for top in rows.clone().step_by(HEIGHT) {
         let height = HEIGHT.min((rows.end - top) as usize);
-        let mut lines: [_; HEIGHT] =
-            core::array::from_fn(|i| view.rays((top + i as u32).min(rows.end - 1)));
+        let mut start = Rows::<N>::ZERO;
+        for lane in 0..N {
+            let row = (top + (lane / across) as u32) as f32;
+            start.set(lane, camera.corner + down * (row + 0.5));
+        }
         let first = (top - rows.start) as usize * width;
-        for left in (0..width).step_by(N / HEIGHT) {
-            let across = (N / HEIGHT).min(width - left);
-            let mut places = [0; N];
-            let mut count = 0;
-            for (i, line) in lines.iter_mut().take(height).enumerate() {
-                for (j, ray) in line.by_ref().take(across).enumerate() {
-                    group.start(count, &ray);
-                    places[count] = first + i * width + left + j;
-                    count += 1;
-                }
+        for left in (0..width).step_by(across) {
+            // As `View::rays`.
+            let mut columns = [0.0; N];
+            for (lane, column) in columns.iter_mut().enumerate() {
+                *column = (left + lane % across) as u32 as f32;
             }
-            group.trace(simd, count, counters);
-            for (lane, &place) in places[..count].iter().enumerate() {
+            let to_pixel = start.load(simd) + step * (V::from_slice(simd, &columns) + half);
+            let direction = to_pixel * (one / to_pixel.dot(to_pixel).sqrt());
+            group
+                .beams
+                .origin
+                .store(Vectors::<V>::splat(simd, camera.eye));
+            group.beams.direction.store(direction);
+            let mut active = 0;
+            for lane in 0..N {
+                let is_within = lane / across < height && left + lane % across < width;
+                active |= u32::from(is_within) << lane;
+            }
+            group.trace(simd, active, counters);
+            for lane in Set(active) {
+                let place = first + lane / across * width + left + lane % across;
                 pixels[place] = group.radiance.get(lane).map(math::positive);
             }
         }
     }
 }
+
+/// [`Packet::enough`] of what is seen in pixels side by side: also in mirrors it is near each other.
+const ENOUGH_OF_PIXELS: u32 = 6;
+
+/// [`Packet::enough`] of 16 rays of which nothing is known.
+const ENOUGH_OF_ANY: u32 = 12;
 
 /// From how many rays on those that are not of neighbours are cast as a group.
 const MANY: u32 = 4;
@@ -294,6 +318,8 @@ struct Hits<'a, const N: usize> {
 struct Group<'a, L, const N: usize> {
     job: Job<'a, L>,
     tree: &'a Tree<N>,
+    /// As [`Packet::enough`].
+    enough: u32,
     /// Of each lane, what is being traced.
     beams: Beams<N>,
     throughput: [f32; N],
@@ -306,15 +332,17 @@ struct Group<'a, L, const N: usize> {
     shadows: Beams<N>,
     /// Of few objects, which to look at.
     near: Near,
-    /// For each light an object that was seen to hide it; `u32::MAX` for none.
-    occluders: Vec<u32>,
+    /// For each light an object that was seen to hide it from what the eye sees, and one that hid it from
+    /// what mirrors show; `u32::MAX` for none.
+    occluders: Vec<[u32; 2]>,
 }
 
 impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
-    fn new(job: Job<'a, L>, tree: &'a Tree<N>) -> Self {
+    fn new(job: Job<'a, L>, tree: &'a Tree<N>, enough: u32) -> Self {
         Self {
             job,
             tree,
+            enough,
             beams: Beams::NONE,
             throughput: [1.0; N],
             depth: [1; N],
@@ -340,30 +368,22 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             },
             shadows: Beams::NONE,
             near: Near::new(job.geometry.few.as_ref().map_or(0, |it| it.materials.len())),
-            occluders: vec![u32::MAX; job.lights.len()],
+            occluders: vec![[u32::MAX; 2]; job.lights.len()],
         }
     }
 
-    /// Puts a ray from the eye into a lane.
+    /// As `Tracer::radiance`, for the `active` lanes' rays.
     #[inline(always)]
-    fn start(&mut self, lane: usize, ray: &Ray) {
-        self.beams.origin.set(lane, ray.origin);
-        self.beams.direction.set(lane, ray.direction);
-    }
-
-    /// As `Tracer::radiance`, for the first `count` of the lanes' rays.
-    #[inline(always)]
-    fn trace<S: Simd, V: Lanes<S>>(&mut self, simd: S, count: usize, counters: &mut Counters)
+    fn trace<S: Simd, V: Lanes<S>>(&mut self, simd: S, mut active: u32, counters: &mut Counters)
     where
         Tree<N>: Vector<S, Lanes = V>,
     {
-        counters.primary += count as u64;
+        counters.primary += u64::from(active.count_ones());
         self.beams.left = [u32::MAX; N];
         self.beams.inward = 0;
         self.throughput = [1.0; N];
         self.depth = [1; N];
         self.radiance = Rows::ZERO;
-        let mut active = u32::MAX >> (32 - count);
         let mut first = true;
         while active != 0 {
             let hit = self.nearest(simd, active, first);
@@ -423,7 +443,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         if let Some(few) = &geometry.few
             && active & !regular == 0
         {
-            let returning = geometry.returning(few, &self.beams);
+            let returning = geometry.returning(&self.beams);
             if !(self.near).find::<S, V, _, N>(simd, few, &self.beams, active, returning) {
                 return 0;
             }
@@ -451,16 +471,20 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let as_group = active & !regular == 0 && geometry.casts_as_group(active, neighbours);
         if as_group {
             let mut limits = self.beams.end;
-            for lane in Set(active) {
-                let left = self.beams.left[lane];
-                if geometry.has_apart(left, self.beams.side(lane)) {
-                    geometry.nearest_apart(&self.beams.ray(lane), 0, left, &mut nearest[lane]);
-                    limits[lane] = nearest[lane].limit();
-                }
+            let departures = geometry.departures(simd, &self.beams, active);
+            for lane in Set(departures.across) {
+                nearest[lane].offer(departures.t[lane], self.beams.left[lane]);
+                limits[lane] = nearest[lane].limit();
+            }
+            for lane in Set(departures.others) {
+                let (ray, left) = (self.beams.ray(lane), self.beams.left[lane]);
+                geometry.nearest_apart(&ray, 0, left, &mut nearest[lane]);
+                limits[lane] = nearest[lane].limit();
             }
             let packet = Packet {
                 beams: &self.beams,
                 active,
+                enough: self.enough,
             };
             let mut visit = NearestOfEach(&mut nearest);
             self.tree
@@ -499,36 +523,57 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         }
     }
 
-    /// As [`look_up`](Self::look_up), spheres by vectors.
+    /// As [`look_up`](Self::look_up), what is round by vectors.
     #[inline(always)]
     fn look_up_all<S: Simd, V: Lanes<S>>(&mut self, simd: S, hit: u32)
     where
         Tree<N>: Vector<S, Lanes = V>,
     {
-        let hits = &mut self.hits;
-        // The center stands for the normal.
-        let (mut spheres, mut hollow) = (0_u32, 0_u32);
+        let (hits, parts) = (&mut self.hits, &self.job.geometry.parts);
+        // The center of a sphere stands for its normal, and the base of a frustum.
+        let (mut spheres, mut frusta, mut hollow) = (0_u32, 0_u32, 0_u32);
+        let mut axis = Rows::<N>::ZERO;
+        let mut slope = [0.0; N];
         for lane in Set(hit) {
             let object = hits.object[lane] as usize;
-            if let Some(it) = self.job.geometry.parts.spheres.objects.get(object) {
+            if let Some(it) = parts.spheres.objects.get(object) {
                 hits.outward.set(lane, it.shape.center);
                 spheres |= 1 << lane;
                 hollow |= u32::from(!(it.shape.radius > 0.0)) << lane;
                 hits.material[lane] = Some(it.material);
+            } else if let Some(it) =
+                (parts.frusta.objects).get(object.wrapping_sub(parts.frusta.first))
+            {
+                hits.outward.set(lane, it.shape.base);
+                axis.set(lane, it.shape.axis);
+                slope[lane] = it.shape.slope;
+                frusta |= 1 << lane;
+                hollow |= u32::from(!frustum::shows_outside(&it.shape)) << lane;
+                hits.material[lane] = Some(it.material);
             }
         }
-        self.look_up(hit & !spheres);
-        if spheres != 0 {
+        self.look_up(hit & !(spheres | frusta));
+        if spheres | frusta != 0 {
             let hits = &mut self.hits;
             let (origin, direction) = (
                 self.beams.origin.load::<S, V>(simd),
                 self.beams.direction.load(simd),
             );
             let point = origin + direction * V::from_slice(simd, &hits.t);
-            let outward = hits.outward.load(simd);
-            let unit = across::away(simd, point, outward, hollow);
-            let spheres = V::Mask::from_bitmask(simd, spheres.into());
-            hits.outward.store(mask_of(spheres, unit, outward));
+            let mut outward = hits.outward.load(simd);
+            if frusta != 0 {
+                let (axis, slope) = (axis.load(simd), V::from_slice(simd, &slope));
+                let hollow = V::Mask::from_bitmask(simd, hollow.into());
+                let unit = frustum::normals(simd, point, outward, axis, slope, hollow);
+                let frusta = V::Mask::from_bitmask(simd, frusta.into());
+                outward = mask_of(frusta, unit, outward);
+            }
+            if spheres != 0 {
+                let unit = across::away(simd, point, outward, hollow);
+                let spheres = V::Mask::from_bitmask(simd, spheres.into());
+                outward = mask_of(spheres, unit, outward);
+            }
+            hits.outward.store(outward);
         }
     }
 
@@ -598,7 +643,8 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let color = self.hits.color.load::<S, V>(simd);
         let share = V::from_slice(simd, &self.hits.ambient) * throughput;
         let mut light = color * Vectors::splat(simd, job.ambient) * share;
-        for (source, occluder) in job.lights.iter().zip(&mut occluders) {
+        for (source, known) in job.lights.iter().zip(&mut occluders) {
+            let occluder = &mut known[usize::from(!neighbours)];
             let hits = &self.hits;
             let position = Vectors::splat(simd, source.position());
             let to_light = position - hits.point.load(simd);
@@ -681,7 +727,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         if let Some(few) = &geometry.few
             && lit & !regular == 0
         {
-            let returning = geometry.returning(few, beams);
+            let returning = geometry.returning(beams);
             if !(self.near).find::<S, V, _, N>(simd, few, beams, lit, returning) {
                 *passed = [1.0; N];
                 return;
@@ -702,6 +748,9 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             for lane in Set(dark) {
                 passed[lane] = 0.0;
             }
+            if dark == 0 {
+                *occluder = u32::MAX;
+            }
             lit &= !dark;
             if lit == 0 {
                 return;
@@ -709,12 +758,16 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         }
         let mut light = [Transmittance::default(); N];
         if lit & !regular == 0 && geometry.casts_as_group(lit, neighbours) {
-            let (mut limits, mut dark) = (beams.end, 0);
-            for lane in Set(lit) {
-                let left = beams.left[lane];
-                if geometry.has_apart(left, beams.side(lane))
-                    && geometry.absorbs_apart(&beams.ray(lane), 0, left, &mut light[lane])
-                {
+            let (mut limits, mut dark) = (beams.end, 0_u32);
+            let departures = geometry.departures(simd, beams, lit);
+            for lane in Set(departures.across | departures.others) {
+                let (left, light) = (beams.left[lane], &mut light[lane]);
+                let is_dark = if departures.across >> lane & 1 != 0 {
+                    parts.absorbs_once(left as usize, light)
+                } else {
+                    geometry.absorbs_apart(&beams.ray(lane), 0, left, light)
+                };
+                if is_dark {
                     dark |= 1 << lane;
                     limits[lane] = f32::NEG_INFINITY;
                 }
@@ -728,7 +781,11 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                     parts.absorbs_met::<Exact, _>(ray, object as usize, 0, light)
                 },
             };
-            let packet = Packet { beams, active: lit };
+            let packet = Packet {
+                beams,
+                active: lit,
+                enough: self.enough,
+            };
             self.tree
                 .visit_rays(simd, parts, false, &packet, &mut limits, &mut visit);
             for lane in Set(lit) {

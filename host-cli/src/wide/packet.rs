@@ -6,11 +6,12 @@
 //! Tracing Algorithm", SIGGRAPH 2005; S. Boulos, D. Edwards, J. D. Lacewell et al., "Packet-based Whitted
 //! and Distribution Ray Tracing", Graphics Interface 2007.
 //!
-//! Rays that have less in common go one after the other, and share only how their terms are computed.
+//! Of rays that do not all go the same way, as along which axis and in which of its directions, enough that
+//! do go together. The rest go one after the other, and share only how their terms are computed.
 
 use core::hint::black_box;
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8};
 use heapless::Vec as Stack;
 use whitted::Ray;
 use whitted::math::Transmittance;
@@ -22,13 +23,16 @@ use super::lanes::{Lanes, Vectors, fastest_of_each};
 use super::nodes::{Child, Content, Node, NodeTermsOfEach, SlabTermsOfEach, met};
 use super::parts::Parts;
 use super::rays::{RayTerms, fastest};
-use super::tree::{LEAF, Nearest, Search, Tree, Vector, Visit, WAITING, without};
+use super::tree::{Extent, LEAF, Nearest, Search, Tree, Vector, Visit, WAITING, without};
 
 /// Some of as many rays as there are lanes.
 pub struct Packet<'a, const N: usize> {
     pub beams: &'a Beams<N>,
     /// Which: a bit a ray, at least one.
     pub active: u32,
+    /// How many of those that go the same way, of all that do not, are not there by chance, but have more in
+    /// common: so many go together.
+    pub enough: u32,
 }
 
 /// What is done with what rays of a packet meet.
@@ -62,78 +66,154 @@ struct Slabs<V> {
     farthest: f32,
 }
 
-impl<V: Copy> Bundle<V> {
-    /// `None` where the rays have too little in common.
+/// The terms of each ray, from which follow those of rays that go the same way.
+struct Ways<V> {
+    x: SlabTermsOfEach<V>,
+    y: SlabTermsOfEach<V>,
+    z: SlabTermsOfEach<V>,
+    /// A bit a ray: down which axes it goes, and to which it is closest. Rays without a difference go the
+    /// same way.
+    ways: [u32; 5],
+}
+
+impl<V: Copy> Ways<V> {
     #[inline(always)]
-    fn new<S: Simd, const N: usize>(
-        simd: S,
-        packet: &Packet<'_, N>,
-        slack: f32,
-        solid: bool,
-    ) -> Option<Self>
+    fn new<S: Simd, const N: usize>(simd: S, beams: &Beams<N>, slack: f32, solid: bool) -> Self
     where
         V: Lanes<S>,
     {
-        // The lanes without a ray copy one: what all have in common is not theirs.
-        let active = V::Mask::from_bitmask(simd, packet.active.into());
-        let any = packet.active.trailing_zeros() as usize % N;
-        let (start, way) = (
-            packet.beams.origin.get(any),
-            packet.beams.direction.get(any),
-        );
-        let origin = Vectors::<V>::select(simd, active, packet.beams.origin.load(simd), start);
-        let direction = Vectors::<V>::select(simd, active, packet.beams.direction.load(simd), way);
-        let axis = fastest(way);
-        if !solid {
-            let [x, y]: [V::Mask; 2] = fastest_of_each(direction);
-            let same = match axis {
-                0 => x,
-                1 => y,
-                _ => !(x | y),
-            };
-            if same.any_false() {
-                return None;
-            }
-        }
+        let origin: Vectors<V> = beams.origin.load(simd);
+        let direction: Vectors<V> = beams.direction.load(simd);
+        let slack = (origin.x.abs() + origin.y.abs() + origin.z.abs()) * slack;
+        let x = SlabTermsOfEach::new(simd, origin.x, direction.x, slack);
+        let y = SlabTermsOfEach::new(simd, origin.y, direction.y, slack);
+        let z = SlabTermsOfEach::new(simd, origin.z, direction.z, slack);
         let zero = V::simd_from(simd, 0.0);
-        let reach = origin.x.abs() + origin.y.abs() + origin.z.abs();
-        let slack = reach * slack;
-        Some(Self {
-            x: Slabs::new(simd, origin.x, direction.x, slack, start.x, zero)?,
-            y: Slabs::new(simd, origin.y, direction.y, slack, start.y, zero)?,
-            z: Slabs::new(simd, origin.z, direction.z, slack, start.z, zero)?,
-            axis,
+        let mut ways = [
+            x.reciprocal.simd_lt(zero).to_bitmask() as u32,
+            y.reciprocal.simd_lt(zero).to_bitmask() as u32,
+            z.reciprocal.simd_lt(zero).to_bitmask() as u32,
+            0,
+            0,
+        ];
+        if !solid {
+            let [along_x, along_y] = fastest_of_each(direction);
+            ways[3] = along_x.to_bitmask() as u32;
+            ways[4] = along_y.to_bitmask() as u32;
+        }
+        Self { x, y, z, ways }
+    }
+
+    /// A bit for each ray that may meet something in a tree.
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, all: &Extent) -> u32
+    where
+        V: Lanes<S>,
+    {
+        let [low, high] = all.bounds;
+        let x = self.slab(simd, 0, &self.x, low.x, high.x);
+        let y = self.slab(simd, 1, &self.y, low.y, high.y);
+        let z = self.slab(simd, 2, &self.z, low.z, high.z);
+        let (entry, exit) = (x.0.max(y.0).max(z.0), x.1.min(y.1).min(z.1));
+        // Hits of outlines are spread along rays.
+        let ahead = exit.simd_ge(V::simd_from(simd, -all.spread));
+        (entry.simd_le(exit) & ahead).to_bitmask() as u32
+    }
+
+    /// Where each ray enters the space between two planes across an axis, and where it leaves it.
+    #[inline(always)]
+    fn slab<S: Simd>(
+        &self,
+        simd: S,
+        axis: usize,
+        terms: &SlabTermsOfEach<V>,
+        low: f32,
+        high: f32,
+    ) -> (V, V)
+    where
+        V: Lanes<S>,
+    {
+        let down = V::Mask::from_bitmask(simd, self.ways[axis].into());
+        let (low, high) = (V::simd_from(simd, low), V::simd_from(simd, high));
+        (
+            down.select(high, low).mul_sub(terms.reciprocal, terms.near),
+            down.select(low, high).mul_sub(terms.reciprocal, terms.far),
+        )
+    }
+
+    /// Those of some rays that go the same way as the first of them.
+    #[inline(always)]
+    fn alike(&self, rays: u32) -> u32 {
+        let first = rays.trailing_zeros();
+        (self.ways.iter()).fold(rays, |alike, &way| {
+            alike & if way >> first & 1 != 0 { way } else { !way }
         })
     }
+
+    /// What rays that go the same way have in common.
+    #[inline(always)]
+    fn bundle<S: Simd, const N: usize>(&self, simd: S, beams: &Beams<N>, rays: u32) -> Bundle<V>
+    where
+        V: Lanes<S>,
+    {
+        let any = rays.trailing_zeros() as usize % N;
+        let start = beams.origin.get(any);
+        let down = |axis: usize| self.ways[axis] >> any & 1 != 0;
+        let rays = V::Mask::from_bitmask(simd, rays.into());
+        Bundle {
+            x: Slabs::new(simd, &self.x, rays, start.x, down(0)),
+            y: Slabs::new(simd, &self.y, rays, start.y, down(1)),
+            z: Slabs::new(simd, &self.z, rays, start.z, down(2)),
+            axis: fastest(beams.direction.get(any)),
+        }
+    }
+}
+
+/// The least of some lanes.
+#[inline(always)]
+fn least<S: Simd, V: Lanes<S>>(simd: S, lanes: V::Mask, v: V) -> f32 {
+    lanes
+        .select(v, V::simd_from(simd, f32::INFINITY))
+        .reduce_min()
+}
+
+/// The greatest of some lanes.
+#[inline(always)]
+fn greatest<S: Simd, V: Lanes<S>>(simd: S, lanes: V::Mask, v: V) -> f32 {
+    lanes
+        .select(v, V::simd_from(simd, f32::NEG_INFINITY))
+        .reduce_max()
 }
 
 impl<V: Copy> Slabs<V> {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, origin: V, direction: V, slack: V, start: f32, zero: V) -> Option<Self>
+    fn new<S: Simd>(
+        simd: S,
+        terms: &SlabTermsOfEach<V>,
+        rays: V::Mask,
+        start: f32,
+        down: bool,
+    ) -> Self
     where
         V: Lanes<S>,
     {
-        let SlabTermsOfEach {
+        let &SlabTermsOfEach {
             reciprocal,
             near,
             far,
-        } = SlabTermsOfEach::new(simd, origin, direction, slack);
-        let down = reciprocal.simd_lt(zero);
-        if down.any_true() && down.any_false() {
-            return None;
-        }
+        } = terms;
         let from_start = reciprocal * V::simd_from(simd, start);
-        Some(Self {
-            down: down.any_true(),
+        Self {
+            down,
             reciprocal,
             near,
             far,
             start,
-            least: reciprocal.reduce_min(),
-            greatest: reciprocal.reduce_max(),
-            nearest: (near - from_start).reduce_max(),
-            farthest: (far - from_start).reduce_min(),
-        })
+            least: least(simd, rays, reciprocal),
+            greatest: greatest(simd, rays, reciprocal),
+            nearest: greatest(simd, rays, near - from_start),
+            farthest: least(simd, rays, far - from_start),
+        }
     }
 
     /// Before which distance no ray enters the space between planes, and after which none is in it:
@@ -254,13 +334,13 @@ impl<const N: usize> Tree<N> {
             ($search:ident) => {{
                 const SEARCH: u8 = Search::$search as u8;
                 const SOLID: bool = SEARCH == Search::SolidBoxes as u8;
-                let together = vectorized!(
-                    self.down::<S, M, SOLID>(simd, parts, ordered, packet, limits, visit)
+                let alone = vectorized!(
+                    self.in_groups::<S, M, SOLID>(simd, parts, ordered, packet, limits, visit)
                 );
-                if !together && ordered {
-                    vectorized!(self.each::<S, SEARCH, true>(simd, packet, limits, visit));
-                } else if !together {
-                    vectorized!(self.each::<S, SEARCH, false>(simd, packet, limits, visit));
+                if alone != 0 && ordered {
+                    vectorized!(self.each::<S, SEARCH, true>(simd, packet, alone, limits, visit));
+                } else if alone != 0 {
+                    vectorized!(self.each::<S, SEARCH, false>(simd, packet, alone, limits, visit));
                 }
             }};
         }
@@ -277,6 +357,7 @@ impl<const N: usize> Tree<N> {
         &self,
         simd: S,
         packet: &Packet<'_, N>,
+        rays: u32,
         limits: &[f32; N],
         visit: &mut impl PacketVisit,
     ) where
@@ -292,7 +373,7 @@ impl<const N: usize> Tree<N> {
         );
         // One by one from memory.
         let boxes = black_box(&boxes);
-        for lane in Set(packet.active) {
+        for lane in Set(rays) {
             let ray = beams.ray(lane);
             let terms = RayTerms::new(&ray, self.needs());
             let boxes = boxes.get(lane, ray.direction);
@@ -306,8 +387,56 @@ impl<const N: usize> Tree<N> {
         }
     }
 
-    /// All rays together down the hierarchy. False, and nothing is done, where they have too little in
-    /// common.
+    /// Rays that go the same way together down the hierarchy. Nothing is done with those that go their own
+    /// way, a bit a ray.
+    #[inline(always)]
+    fn in_groups<S: Simd, M, const SOLID: bool>(
+        &self,
+        simd: S,
+        parts: &Parts<'_, M>,
+        ordered: bool,
+        packet: &Packet<'_, N>,
+        limits: &mut [f32; N],
+        visit: &mut impl PacketVisit,
+    ) -> u32
+    where
+        Self: Vector<S>,
+    {
+        type Of<S, T> = <T as Vector<S>>::Lanes;
+        let beams = packet.beams;
+        let ways = Ways::<Of<S, Self>>::new(simd, beams, self.slack(), SOLID);
+        let active = packet.active & ways.meet(simd, self.extent());
+        if active == 0 {
+            return 0;
+        }
+        let mut groups = Stack::<u32, N>::new();
+        let (mut rest, mut alone) = (active, 0);
+        while rest != 0 {
+            let rays = ways.alike(rest);
+            rest &= !rays;
+            if rays == active || rays.count_ones() >= packet.enough {
+                let fits = groups.push(rays).is_ok();
+                debug_assert!(fits, "each has a ray");
+            } else {
+                alone |= rays;
+            }
+        }
+        if groups.is_empty() {
+            return alone;
+        }
+        let terms = Terms::<Of<S, Self>, _>::new(simd, beams, self.needs());
+        // In memory, as the terms of a single ray.
+        let terms = black_box(&terms);
+        for &rays in &groups {
+            let bundle = ways.bundle(simd, beams, rays);
+            self.down::<S, M, SOLID>(
+                simd, parts, ordered, packet, rays, &bundle, terms, limits, visit,
+            );
+        }
+        alone
+    }
+
+    /// Some rays together down the hierarchy.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     fn down<S: Simd, M, const SOLID: bool>(
@@ -316,23 +445,19 @@ impl<const N: usize> Tree<N> {
         parts: &Parts<'_, M>,
         ordered: bool,
         packet: &Packet<'_, N>,
+        rays: u32,
+        bundle: &Bundle<<Self as Vector<S>>::Lanes>,
+        terms: &TermsOf<S, <Self as Vector<S>>::Lanes>,
         limits: &mut [f32; N],
         visit: &mut impl PacketVisit,
-    ) -> bool
-    where
+    ) where
         Self: Vector<S>,
     {
         type Of<S, T> = <T as Vector<S>>::Lanes;
-        let bundle = Bundle::<Of<S, Self>>::new(simd, packet, self.slack(), SOLID);
-        let Some(bundle) = bundle else {
-            return false;
-        };
-        let terms = Terms::<Of<S, Self>, _>::new(simd, packet.beams, self.needs());
-        // In memory, as the terms of a single ray.
-        let terms = black_box(&terms);
-        let mut farthest = Of::<S, Self>::from_slice(simd, limits).reduce_max();
+        let these = <Of<S, Self> as SimdBase<S>>::Mask::from_bitmask(simd, rays.into());
+        let mut farthest = greatest(simd, these, Of::<S, Self>::from_slice(simd, limits));
         let mut waiting = Stack::<(f32, Child, u32), WAITING>::new();
-        let (mut next, mut rays) = (Child::node(0), packet.active);
+        let (mut next, mut rays) = (Child::node(0), rays);
         loop {
             match next.content() {
                 Content::Node(index) => {
@@ -379,12 +504,12 @@ impl<const N: usize> Tree<N> {
                     } else {
                         self.visit_block(simd, kind, index, ordered, packet, rays, limits, visit);
                     }
-                    farthest = Of::<S, Self>::from_slice(simd, limits).reduce_max();
+                    farthest = greatest(simd, these, Of::<S, Self>::from_slice(simd, limits));
                 }
             }
             loop {
                 match waiting.pop() {
-                    None => return true,
+                    None => return,
                     Some((entry, child, met)) if entry <= farthest => {
                         (next, rays) = (child, met);
                         break;

@@ -9,6 +9,7 @@ use whitted::{
 
 use super::blocks::Kind;
 use super::bounds::STEEP;
+use super::frustum;
 
 /// Objects of one kind.
 pub type Slice<'a, S, M> = &'a [Object<'a, S, M>];
@@ -218,10 +219,14 @@ impl<'a, M> Parts<'a, M> {
     #[inline(always)]
     pub fn is_left_for_good(&self, object: usize, side: Side) -> bool {
         let outside = side == Side::Outside;
-        match self.spheres.objects.get(object) {
-            Some(sphere) => outside == (sphere.shape.radius > 0.0),
-            None => self.is_flat(object) || outside && self.cuboids.holds(object),
+        if let Some(sphere) = self.spheres.objects.get(object) {
+            return outside == (sphere.shape.radius > 0.0);
         }
+        let frusta = &self.frusta;
+        if let Some(frustum) = frusta.objects.get(object.wrapping_sub(frusta.first)) {
+            return outside == frustum::shows_outside(&frustum.shape);
+        }
+        self.is_flat(object) || outside && self.cuboids.holds(object)
     }
 
     /// As [`absorbs`](Self::absorbs), of an object that the ray meets.
@@ -236,9 +241,20 @@ impl<'a, M> Parts<'a, M> {
     where
         M: Finish,
     {
-        if !self.is_flat(object) {
-            return self.absorbs::<P, L>(ray, object, first, light);
+        if self.is_flat(object) {
+            self.absorbs_once(object, light)
+        } else {
+            self.absorbs::<P, L>(ray, object, first, light)
         }
+    }
+
+    /// As [`absorbs`](Self::absorbs), of an object whose surface the ray crosses once, and which takes nothing
+    /// of the light in it.
+    #[inline]
+    pub fn absorbs_once<L: Passage>(&self, object: usize, light: &mut L) -> bool
+    where
+        M: Finish,
+    {
         with_object!(self, object, |it| {
             let transmission = it.material.transmission();
             light.pass(transmission, 1, || 0.0)

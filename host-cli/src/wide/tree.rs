@@ -67,6 +67,15 @@ pub struct Tree<const N: usize> {
     needs: Needs,
     /// How many coordinates of its origin a ray's hits may lie outside the boxes.
     slack: f32,
+    extent: Extent,
+}
+
+/// What lies round all of a tree's boxes.
+#[derive(Clone, Copy, Debug)]
+pub struct Extent {
+    pub bounds: [Vec3; 2],
+    /// How far from it along a ray a hit may be reported.
+    pub spread: f32,
 }
 
 /// Numbers that no two lines of a cache share.
@@ -122,6 +131,10 @@ impl<const N: usize> Tree<N> {
             flat_kinds: 0,
             needs: Needs::default(),
             slack: ROUNDING * (1.0 + parts.steepness()),
+            extent: Extent {
+                bounds: [Vec3::INFINITY, Vec3::NEG_INFINITY],
+                spread: 0.0,
+            },
         };
         // A kernel that takes one object costs as much as one that takes a vector of them.
         let others = items.iter().filter(|it| it.kind == Kind::Other).count();
@@ -144,6 +157,12 @@ impl<const N: usize> Tree<N> {
         }
         for kind in Kind::ALL {
             tree.flat_kinds |= u16::from(tree.flat.len(kind) > 0) << kind as u8;
+        }
+        if let Some(root) = tree.nodes.first() {
+            tree.extent = Extent {
+                bounds: root.bounds(),
+                spread: root.spread().iter().copied().fold(0.0, f32::max),
+            };
         }
         tree.needs = if tree.nodes.is_empty() {
             tree.flat.needs()
@@ -220,6 +239,12 @@ impl<const N: usize> Tree<N> {
     #[inline(always)]
     pub fn slack(&self) -> f32 {
         self.slack
+    }
+
+    /// What lies round all boxes.
+    #[inline(always)]
+    pub fn extent(&self) -> &Extent {
+        &self.extent
     }
 
     /// Whether all in the boxes is met within them: there are no outlines.
@@ -516,7 +541,7 @@ impl<const N: usize> Tree<N> {
                 self.nodes.len() * size_of::<Node<N>>(),
                 self.blocks.bytes() + self.flat.bytes(),
             ],
-            bounds: self.nodes.first().map(Node::bounds),
+            bounds: (!self.nodes.is_empty()).then_some(self.extent.bounds),
         }
     }
 }
