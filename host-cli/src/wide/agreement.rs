@@ -789,10 +789,11 @@ fn what_is_reported_off_its_box_is_not_passed_over() {
             continue;
         }
         counts[more][usize::from(is_early)] += 1;
+        // Where the ray starts beyond the box, also with all boxes behind it.
         let between = if is_early {
             (t + entry as f32) * 0.5
         } else {
-            t + 1.0
+            random.pick(&[t + 1.0, exit as f32 - 0.1])
         };
         let balls = [Object {
             shape: Sphere {
@@ -810,6 +811,8 @@ fn what_is_reported_off_its_box_is_not_passed_over() {
         kinds.1.1.0 = &outlines;
         let expected = answers(&kinds, &ray);
         assert_eq!(expected.hit.map(|it| it.1), Some(1));
+        let d = ray.direction;
+        let turned = Ray::new(ray.origin, Vec3::new(d.y, d.z, d.x).abs() * d.signum());
         for (name, level) in levels() {
             let wide = Wide::with(kinds, level, 0);
             assert_eq!(
@@ -817,16 +820,17 @@ fn what_is_reported_off_its_box_is_not_passed_over() {
                 expected,
                 "{name}: {ray:?}, {outline:?}"
             );
-            let mut hits = 0;
-            lockstep::closest_hits(&wide, &[ray; 8], |_, hit| {
-                assert_eq!(
-                    bits(Some(hit)),
-                    expected.hit,
-                    "{name}: {ray:?}, {outline:?}"
-                );
-                hits += 1;
-            });
-            assert_eq!(hits, 8, "{name}: {ray:?}, {outline:?}");
+            // Alone, and among rays that are closest to another axis in spite of the same signs.
+            for other in [ray, turned] {
+                let rays: [_; 16] =
+                    core::array::from_fn(|lane| if lane % 2 == 0 { other } else { ray });
+                let mut hits = [None; 16];
+                lockstep::closest_hits(&wide, &rays, |ray, hit| hits[ray] = Some(hit));
+                for (ray, hit) in rays.iter().zip(hits) {
+                    let expected = bits(kinds.closest_hit(ray));
+                    assert_eq!(bits(hit), expected, "{name}: {ray:?}, {outline:?}");
+                }
+            }
         }
     }
     assert!(
