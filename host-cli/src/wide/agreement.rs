@@ -662,7 +662,7 @@ fn compare_together(
 fn rays_together_are_answered_as_the_kernels_do() {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     for style in STYLES {
-        let scene = Owned::new(style, &mut random);
+        let mut scene = Owned::new(style, &mut random);
         for flat in [0, usize::MAX] {
             let [met, dimmed] = compare_together(&scene, flat, 200, &mut random, |_, _| true);
             assert!(met > 400 && dimmed > 20, "{style:?}: {met}, {dimmed}");
@@ -671,6 +671,11 @@ fn rays_together_are_answered_as_the_kernels_do() {
         let regular = |wide: &Wide<'_, Material>, ray: &Ray| wide.takes_this(ray);
         let [met, _] = compare_together(&scene, 0, 100, &mut random, regular);
         assert!(met > 200, "{style:?}: {met}");
+        // And without objects that every ray is cast into apart, what it leaves among them.
+        scene.tame();
+        scene.planes.clear();
+        let [met, dimmed] = compare_together(&scene, 0, 200, &mut random, regular);
+        assert!(met > 400 && dimmed > 20, "{style:?}: {met}, {dimmed}");
     }
 }
 
