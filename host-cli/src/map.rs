@@ -135,19 +135,20 @@ impl<'a> HostMap<'a> {
         Some((kind, cell, &material.name))
     }
 
-    /// Draws rows of the picture by columns, `samples` × `samples` places a pixel, and gives them to
-    /// `emit`, in order, some whole rows at a time, as linear RGB that is written as the bytes of the
-    /// textures.
+    /// Draws rows of the picture by columns, `samples` × `samples` places a pixel, some whole rows at a
+    /// time, for `develop` and `emit` as [`crate::render::render`] does: as linear RGB that is written as
+    /// the bytes of the textures.
     ///
     /// # Errors
     ///
     /// What `emit` returns.
-    pub fn draw<E>(
+    pub fn draw<P: Clone + Default, E>(
         &self,
         view: &View,
         rows: Range<u32>,
         samples: u32,
-        mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+        develop: impl Fn(&[Vec3], &mut [P]),
+        mut emit: impl FnMut(&[P]) -> Result<(), E>,
     ) -> Result<(), E> {
         let shown: Vec<_> = (self.file.shown_by_walls().into_iter())
             .map(|place| {
@@ -219,34 +220,30 @@ impl<'a> HostMap<'a> {
                 Ok(())
             };
         match samples {
-            1 => lines(view, rows, &mut emit),
-            _ => supersample(view, rows, samples, emit, lines),
+            1 => lines(view, rows, &mut |pixels| {
+                let mut developed = vec![P::default(); pixels.len()];
+                develop(pixels, &mut developed);
+                emit(&developed)
+            }),
+            _ => supersample(view, rows, samples, develop, emit, lines),
         }
     }
 
-    /// Traces rows of the picture and gives them to `emit`, as [`crate::render::render_sampled`] does.
+    /// Traces rows of the picture, as [`crate::render::render_sampled`] does.
     ///
     /// # Errors
     ///
     /// What `emit` returns.
-    pub fn trace<E>(
+    pub fn trace<P: Clone + Default + Send, E>(
         &self,
         view: &View,
         rows: Range<u32>,
         settings: Settings,
         sampling: Sampling,
-        row_done: impl Fn() + Sync,
-        emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+        develop: impl Fn(&[Vec3], &mut [P]) + Sync,
+        emit: impl FnMut(&[P]) -> Result<(), E>,
     ) -> Result<Counters, E> {
-        trace_sampled(
-            &self.scene(),
-            view,
-            rows,
-            settings,
-            sampling,
-            row_done,
-            emit,
-        )
+        trace_sampled(&self.scene(), view, rows, settings, sampling, develop, emit)
     }
 }
 

@@ -1,12 +1,11 @@
 //! Whole pictures, on all cores.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use fearless_simd::Level;
 use glam::Vec3;
 use rayon::prelude::*;
-use whitted::antialiasing::{Adaptive, MOST, magnified, share, shown};
+use whitted::antialiasing::{Adaptive, magnified, share, shown};
 use whitted::picture::{quantize, to_rgb8};
 use whitted::{Counters, Exact, Geometry, Object, Scene, Tracer, View};
 
@@ -45,23 +44,28 @@ pub enum Sampling {
 /// Most pixels that are held at a time.
 const BATCH: usize = 1 << 20;
 
-/// Renders rows of a picture and gives them to `emit`, in order, some whole rows at a time, as linear
-/// RGB. Calls `row_done` after each, from any thread, in any order.
+/// Renders rows of a picture, some whole rows at a time: `develop` makes of them, as linear RGB, what is to
+/// be kept of each pixel, on any thread, in any order; and `emit` is given that, in the picture's order.
 ///
 /// Every pixel is computed alone: neither the number of threads nor the choice of rows changes a bit.
 ///
 /// # Errors
 ///
 /// What `emit` returns; nothing is rendered after that.
-pub fn render<E>(
+pub fn render<P: Clone + Default + Send, E>(
     scene: &AnyScene<'_>,
     view: &View,
     rows: Range<u32>,
     settings: Settings,
-    row_done: impl Fn() + Sync,
-    emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+    develop: impl Fn(&[Vec3], &mut [P]) + Sync,
+    emit: impl FnMut(&[P]) -> Result<(), E>,
 ) -> Result<Counters, E> {
-    render_at(Level::new(), scene, view, rows, settings, row_done, emit)
+    render_at(Level::new(), scene, view, rows, settings, develop, emit)
+}
+
+/// For [`render`]: keeps pixels as they are.
+pub fn keep(pixels: &[Vec3], kept: &mut [Vec3]) {
+    kept.copy_from_slice(pixels);
 }
 
 /// As [`render`], with the pixels sampled in some way.
@@ -69,36 +73,27 @@ pub fn render<E>(
 /// # Errors
 ///
 /// As [`render`]'s.
-pub fn render_sampled<E>(
+pub fn render_sampled<P: Clone + Default + Send, E>(
     host: &HostScene<'_>,
     view: &View,
     rows: Range<u32>,
     settings: Settings,
     sampling: Sampling,
-    row_done: impl Fn() + Sync,
-    emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+    develop: impl Fn(&[Vec3], &mut [P]) + Sync,
+    emit: impl FnMut(&[P]) -> Result<(), E>,
 ) -> Result<Counters, E> {
     match sampling {
-        Sampling::Middle => render_whole(host, view, rows, settings, row_done, emit),
+        Sampling::Middle => render_whole(host, view, rows, settings, develop, emit),
         Sampling::Regular(samples) => {
-            let line_done = every(samples, row_done);
-            supersample(view, rows, samples, emit, |fine, rows, add| {
-                render_whole(host, fine, rows, settings, line_done, add)
+            supersample(view, rows, samples, develop, emit, |fine, rows, add| {
+                render_whole(host, fine, rows, settings, keep, add)
             })
         }
         Sampling::Adaptive { bound, levels } => {
             let geometry = host.whole(Wide::new);
             let scene = host.scene();
             let scene = over(&geometry, &scene);
-            adaptive(
-                &scene,
-                view,
-                rows,
-                settings,
-                (bound, levels),
-                row_done,
-                emit,
-            )
+            adaptive(&scene, view, rows, settings, (bound, levels), develop, emit)
         }
     }
 }
@@ -108,62 +103,51 @@ pub fn render_sampled<E>(
 /// # Errors
 ///
 /// As [`render`]'s.
-pub fn trace_sampled<G, E>(
+pub fn trace_sampled<G, P, E>(
     scene: &Scene<'_, G, Light>,
     view: &View,
     rows: Range<u32>,
     settings: Settings,
     sampling: Sampling,
-    row_done: impl Fn() + Sync,
-    mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+    develop: impl Fn(&[Vec3], &mut [P]) + Sync,
+    emit: impl FnMut(&[P]) -> Result<(), E>,
 ) -> Result<Counters, E>
 where
     G: Geometry<Material = Material> + Sync,
+    P: Clone + Default + Send,
 {
-    let traced = |view: &View,
-                  rows: Range<u32>,
-                  row_done: &(dyn Fn() + Sync),
-                  emit: &mut dyn FnMut(&[Vec3]) -> Result<(), E>| {
-        let band = |rows, pixels: &mut [Vec3]| trace_lines(scene, view, rows, settings, pixels);
-        bands(view, rows, 1, band, row_done, emit)
-    };
     match sampling {
-        Sampling::Middle => traced(view, rows, &row_done, &mut emit),
+        Sampling::Middle => {
+            let band = |rows, pixels: &mut [Vec3]| trace_lines(scene, view, rows, settings, pixels);
+            bands(view, rows, 1, band, develop, emit)
+        }
         Sampling::Regular(samples) => {
-            let line_done = every(samples, row_done);
-            supersample(view, rows, samples, emit, |fine, rows, add| {
-                traced(fine, rows, &line_done, add)
+            supersample(view, rows, samples, develop, emit, |fine, rows, add| {
+                let band =
+                    |rows, pixels: &mut [Vec3]| trace_lines(scene, fine, rows, settings, pixels);
+                bands(fine, rows, 1, band, keep, add)
             })
         }
         Sampling::Adaptive { bound, levels } => {
-            adaptive(scene, view, rows, settings, (bound, levels), row_done, emit)
-        }
-    }
-}
-
-/// Calls `done` every so many times that it is called.
-fn every(times: u32, done: impl Fn() + Sync) -> impl Fn() + Sync {
-    let times = times.clamp(1, MOST);
-    let calls = AtomicU32::new(0);
-    move || {
-        if calls.fetch_add(1, Relaxed) % times == times - 1 {
-            done();
+            adaptive(scene, view, rows, settings, (bound, levels), develop, emit)
         }
     }
 }
 
 /// Has `render` make rows of a larger picture, and adds its pixels up as
 /// [`whitted::antialiasing::supersampled_row`] does.
-pub(crate) fn supersample<E, R>(
+pub(crate) fn supersample<P: Clone + Default, E, R>(
     view: &View,
     rows: Range<u32>,
     samples: u32,
-    mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+    develop: impl Fn(&[Vec3], &mut [P]),
+    mut emit: impl FnMut(&[P]) -> Result<(), E>,
     render: impl FnOnce(&View, Range<u32>, &mut dyn FnMut(&[Vec3]) -> Result<(), E>) -> Result<R, E>,
 ) -> Result<R, E> {
     let fine = magnified(view, samples);
     let samples = fine.width / view.width;
     let mut sums = vec![Vec3::ZERO; view.width as usize];
+    let mut developed = vec![P::default(); sums.len()];
     let mut added = 0;
     let mut add = |radiances: &[Vec3]| {
         for line in radiances.chunks_exact(fine.width as usize) {
@@ -175,7 +159,8 @@ pub(crate) fn supersample<E, R>(
             added += 1;
             if added == samples {
                 sums.iter_mut().for_each(|sum| *sum *= share(samples));
-                emit(&sums)?;
+                develop(&sums, &mut developed);
+                emit(&developed)?;
                 sums.fill(Vec3::ZERO);
                 added = 0;
             }
@@ -187,17 +172,18 @@ pub(crate) fn supersample<E, R>(
 }
 
 /// A picture with adaptive anti-aliasing.
-fn adaptive<G, E>(
+fn adaptive<G, P, E>(
     scene: &Scene<'_, G, Light>,
     view: &View,
     rows: Range<u32>,
     settings: Settings,
     (bound, levels): (f32, u32),
-    row_done: impl Fn() + Sync,
-    emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+    develop: impl Fn(&[Vec3], &mut [P]) + Sync,
+    emit: impl FnMut(&[P]) -> Result<(), E>,
 ) -> Result<Counters, E>
 where
     G: Geometry<Material = Material> + Sync,
+    P: Clone + Default + Send,
 {
     let band = |rows, pixels: &mut [Vec3]| {
         let band = match levels {
@@ -209,7 +195,7 @@ where
         band(scene, view, rows, settings, bound, pixels)
     };
     // Only the rays of a band's upper edge are traced twice.
-    bands(view, rows, 16, band, row_done, emit)
+    bands(view, rows, 16, band, develop, emit)
 }
 
 /// Rows with adaptive anti-aliasing.
@@ -237,20 +223,20 @@ fn adaptive_rows<G: Geometry<Material = Material>, const N: usize>(
 /// # Errors
 ///
 /// As [`render`]'s.
-pub fn render_at<E>(
+pub fn render_at<P: Clone + Default + Send, E>(
     level: Level,
     scene: &AnyScene<'_>,
     view: &View,
     rows: Range<u32>,
     settings: Settings,
-    row_done: impl Fn() + Sync,
-    emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+    develop: impl Fn(&[Vec3], &mut [P]) + Sync,
+    emit: impl FnMut(&[P]) -> Result<(), E>,
 ) -> Result<Counters, E> {
     let geometry = Wide::with_level(scene.geometry, level);
     if needs_tracer(scene) {
         let lone_rays =
             |rows, pixels: &mut [Vec3]| trace_rows(&geometry, scene, view, rows, settings, pixels);
-        return bands(view, rows, 1, lone_rays, row_done, emit);
+        return bands(view, rows, 1, lone_rays, develop, emit);
     }
     let job = Job {
         geometry: &geometry,
@@ -261,7 +247,7 @@ pub fn render_at<E>(
         threshold: settings.threshold,
     };
     let in_lockstep = |rows, pixels: &mut [Vec3]| lockstep::rows(&job, view, rows, pixels);
-    bands(view, rows, HEIGHT, in_lockstep, row_done, emit)
+    bands(view, rows, HEIGHT, in_lockstep, develop, emit)
 }
 
 /// As [`render`], of all of a scene, with solids and what is placed.
@@ -269,22 +255,22 @@ pub fn render_at<E>(
 /// # Errors
 ///
 /// As [`render`]'s.
-pub fn render_whole<E>(
+pub fn render_whole<P: Clone + Default + Send, E>(
     host: &HostScene<'_>,
     view: &View,
     rows: Range<u32>,
     settings: Settings,
-    row_done: impl Fn() + Sync,
-    emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+    develop: impl Fn(&[Vec3], &mut [P]) + Sync,
+    emit: impl FnMut(&[P]) -> Result<(), E>,
 ) -> Result<Counters, E> {
     let scene = host.scene();
     if host.is_plain() {
-        return render(&scene, view, rows, settings, row_done, emit);
+        return render(&scene, view, rows, settings, develop, emit);
     }
     let whole = host.whole(Wide::new);
     let lone_rays =
         |rows, pixels: &mut [Vec3]| trace_rows(&whole, &scene, view, rows, settings, pixels);
-    bands(view, rows, 1, lone_rays, row_done, emit)
+    bands(view, rows, 1, lone_rays, develop, emit)
 }
 
 /// Whether the scene has something that only [`Tracer`] does.
@@ -346,58 +332,51 @@ fn tracer(settings: Settings) -> Tracer<{ limits::DEPTH }, Exact, Counters> {
 }
 
 /// Has `band` compute all rows, on all cores, `band_height` of them at a time.
-fn bands<E>(
+fn bands<P: Clone + Default + Send, E>(
     view: &View,
     rows: Range<u32>,
     band_height: usize,
     band: impl Fn(Range<u32>, &mut [Vec3]) -> Counters + Sync,
-    row_done: impl Fn() + Sync,
-    mut emit: impl FnMut(&[Vec3]) -> Result<(), E>,
+    develop: impl Fn(&[Vec3], &mut [P]) + Sync,
+    mut emit: impl FnMut(&[P]) -> Result<(), E>,
 ) -> Result<Counters, E> {
     let width = view.width as usize;
+    let batch = (BATCH / width).clamp(1, rows.len().max(1)) as u32;
     let mut counters = Counters::default();
-    let mut pixels = Vec::new();
-    let mut start = rows.start;
-    while start < rows.end {
-        let height = (BATCH / width).clamp(1, (rows.end - start) as usize);
-        pixels.resize(height * width, Vec3::ZERO);
-        counters += pixels
+    // Where that is made of zeros, what the system gives: threads are the first to touch it.
+    let mut developed = vec![P::default(); batch as usize * width];
+    for start in rows.clone().step_by(batch as usize) {
+        let developed = &mut developed[..batch.min(rows.end - start) as usize * width];
+        counters += developed
             .par_chunks_mut(band_height * width)
             // Bands take as long as what they show: none waits behind another while a processor is idle.
             .with_max_len(1)
             .enumerate()
-            .map(|(place, pixels)| {
+            .map(|(place, developed)| {
                 let row = start + (place * band_height) as u32;
-                let height = (pixels.len() / width) as u32;
-                let counters = band(row..row + height, pixels);
-                (0..height).for_each(|_| row_done());
+                let height = (developed.len() / width) as u32;
+                let mut pixels = vec![Vec3::ZERO; developed.len()];
+                let counters = band(row..row + height, &mut pixels);
+                develop(&pixels, developed);
                 counters
             })
             .reduce(Counters::default, |mut sum, rows| {
                 sum += rows;
                 sum
             });
-        emit(&pixels)?;
-        start += height as u32;
+        emit(developed)?;
     }
     Ok(counters)
 }
 
-/// Pixels as bytes: red, green, blue.
-pub fn encode(pixels: &[Vec3], transfer: Transfer) -> Vec<u8> {
-    const AT_A_TIME: usize = 1 << 12;
-    let mut bytes = vec![[0; 3]; pixels.len()];
-    (bytes.par_chunks_mut(AT_A_TIME))
-        .zip(pixels.par_chunks(AT_A_TIME))
-        .for_each(|(bytes, pixels)| {
-            for (bytes, &pixel) in bytes.iter_mut().zip(pixels) {
-                *bytes = match transfer {
-                    Transfer::Linear => to_rgb8(pixel),
-                    Transfer::Srgb => pixel.to_array().map(|it| quantize(srgb(it))),
-                };
-            }
-        });
-    bytes.into_flattened()
+/// Pixels as red, green, blue. Of pixels and of room for them, what there is more of is left alone.
+pub fn encode(pixels: &[Vec3], bytes: &mut [[u8; 3]], transfer: Transfer) {
+    for (bytes, &pixel) in bytes.iter_mut().zip(pixels) {
+        *bytes = match transfer {
+            Transfer::Linear => to_rgb8(pixel),
+            Transfer::Srgb => pixel.to_array().map(|it| quantize(srgb(it))),
+        };
+    }
 }
 
 /// What a display is to be sent for an amount of light, both from 0 to 1.
@@ -434,17 +413,10 @@ mod tests {
             threshold: 1.0 / 512.0,
         };
         let mut expected = Vec::new();
-        let rendered = render(
-            &scene,
-            &view,
-            5..43,
-            settings,
-            || (),
-            |pixels| {
-                expected.extend_from_slice(pixels);
-                Ok::<_, ()>(())
-            },
-        );
+        let rendered = render(&scene, &view, 5..43, settings, keep, |pixels| {
+            expected.extend_from_slice(pixels);
+            Ok::<_, ()>(())
+        });
         let mut pixels = vec![Vec3::ZERO; expected.len()];
         let geometry = Wide::new(scene.geometry);
         let counters = trace_rows(&geometry, &scene, &view, 5..43, settings, &mut pixels);
@@ -466,10 +438,15 @@ mod tests {
             Vec3::new(-1.0, 2.0, f32::NAN),
             Vec3::new(0.001, 0.2, f32::INFINITY),
         ];
-        let linear = encode(&pixels, Transfer::Linear);
-        assert_eq!(linear, [0, 128, 255, 0, 255, 0, 0, 51, 255]);
+        let encoded = |transfer| {
+            let mut bytes = [[0; 3]; 3];
+            encode(&pixels, &mut bytes, transfer);
+            bytes
+        };
+        let linear = encoded(Transfer::Linear);
+        assert_eq!(linear, [[0, 128, 255], [0, 255, 0], [0, 51, 255]]);
         // By the standard's formula: 0.5 is 187.5, 0.2 is 123.6 and 0.001 is 3.3 of 255.
-        let display = encode(&pixels, Transfer::Srgb);
-        assert_eq!(display, [0, 188, 255, 0, 255, 0, 3, 124, 255]);
+        let display = encoded(Transfer::Srgb);
+        assert_eq!(display, [[0, 188, 255], [0, 255, 0], [3, 124, 255]]);
     }
 }

@@ -12,7 +12,7 @@ use whitted::Vec3;
 use whitted::embedded_graphics::pixelcolor::{IntoStorage, Rgb565, Rgb888};
 use whitted_cli::bake::{Module, bake, bake_map};
 use whitted_cli::map::HostMap;
-use whitted_cli::render::{Sampling, Settings, render_whole};
+use whitted_cli::render::{Sampling, Settings, keep, render_whole};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::map::{self, MapFile};
 use whitted_cli::scene_file::{self, SceneFile};
@@ -43,7 +43,7 @@ impl Baked {
             }
             Ok::<_, Infallible>(())
         };
-        let Ok(_) = render_whole(&scene, &view, 0..HEIGHT, settings, || (), emit);
+        let Ok(_) = render_whole(&scene, &view, 0..HEIGHT, settings, keep, emit);
         Self {
             name: name.to_owned(),
             module: bake(&scene, Some(&view)),
@@ -298,7 +298,7 @@ fn traced(name: &str, file: &MapFile) -> Baked {
         }
         Ok::<_, Infallible>(())
     };
-    let Ok(_) = host.trace(&view, 0..HEIGHT, settings, Sampling::Middle, || (), emit);
+    let Ok(_) = host.trace(&view, 0..HEIGHT, settings, Sampling::Middle, keep, emit);
     Baked {
         name: name.to_owned(),
         module: bake_map(&host, &view),
@@ -319,7 +319,7 @@ fn by_columns(file: &MapFile) -> u64 {
         }
         Ok::<_, Infallible>(())
     };
-    let Ok(()) = host.draw(&view, 0..HEIGHT, 1, emit);
+    let Ok(()) = host.draw(&view, 0..HEIGHT, 1, keep, emit);
     checksum
 }
 

@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::ThreadPoolBuilder;
 use whitted::antialiasing::{Adaptive, supersampled_row};
 use whitted::{Counters, Exact, Tracer, View};
-use whitted_cli::render::{Sampling, Settings, render_at, render_sampled};
+use whitted_cli::render::{Sampling, Settings, keep, render_at, render_sampled};
 use whitted_cli::scene::{AnyScene, HostScene, Pool};
 use whitted_cli::scene_file::{self, limits};
 use whitted_cli::wide::levels;
@@ -73,18 +73,10 @@ fn every_picture_has_the_bits_of_the_plain_slices() {
                     let mut pixels = Vec::new();
                     let counted = pool.build().unwrap().install(|| {
                         let rows = 0..view.height;
-                        render_at(
-                            level,
-                            &scene,
-                            &view,
-                            rows,
-                            settings,
-                            || {},
-                            |it| {
-                                pixels.extend_from_slice(it);
-                                Ok::<_, ()>(())
-                            },
-                        )
+                        render_at(level, &scene, &view, rows, settings, keep, |it| {
+                            pixels.extend_from_slice(it);
+                            Ok::<_, ()>(())
+                        })
                     });
                     assert!(bits(&pixels) == plain, "{what}");
                     assert_eq!(counted, Ok(counters), "{what}");
@@ -144,7 +136,7 @@ fn sampled_pictures_have_the_bits_of_the_core_s_own() {
                         Ok::<_, ()>(())
                     };
                     let rows = rows.clone();
-                    render_sampled(&host, &view, rows, settings, sampling, || {}, emit)
+                    render_sampled(&host, &view, rows, settings, sampling, keep, emit)
                 });
                 let expected = &expected[23 * rows.start as usize..23 * rows.end as usize];
                 assert!(

@@ -6,7 +6,7 @@ use std::path::Path;
 use whitted_cli::cast::{Query, cast_lines};
 use whitted_cli::inspect::inspect;
 use whitted_cli::picture::Picture;
-use whitted_cli::render::{Settings, render_whole as render};
+use whitted_cli::render::{Settings, keep, render_whole as render};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::{SceneError, SceneFile, nff, toml};
 
@@ -104,20 +104,13 @@ fn exercise(file: Result<SceneFile, SceneError>) -> bool {
             depth: 4,
             threshold: 0.0,
         };
-        let rendered = render(
-            &scene,
-            &view,
-            0..2,
-            settings,
-            || (),
-            |pixels| {
-                if pixels.iter().any(|it| it.is_nan()) {
-                    Err(())
-                } else {
-                    Ok(())
-                }
-            },
-        );
+        let rendered = render(&scene, &view, 0..2, settings, keep, |pixels| {
+            if pixels.iter().any(|it| it.is_nan()) {
+                Err(())
+            } else {
+                Ok(())
+            }
+        });
         assert!(rendered.is_ok(), "a pixel is not a number");
     }
     let rays = b"0 0 9 0 0 -1\n3 2 4 -3 -2 -4\n1e38 0 0 -1e-45 0 0\n1e-40 0 0 1 1e-38 0\n";

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use whitted::Tracer;
 use whitted::picture::{row, to_rgb8};
-use whitted_cli::render::{Settings, render_whole as host_render};
+use whitted_cli::render::{Settings, keep, render_whole as host_render};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::SceneFile;
 
@@ -51,17 +51,10 @@ pub fn render_fast(file: &SceneFile, width: u32, height: u32) -> Vec<Vec3> {
         threshold: 0.0,
     };
     let mut pixels = Vec::new();
-    let Ok::<_, Infallible>(_) = host_render(
-        &host,
-        &view,
-        0..height,
-        settings,
-        || {},
-        |rows| {
-            pixels.extend_from_slice(rows);
-            Ok(())
-        },
-    );
+    let Ok::<_, Infallible>(_) = host_render(&host, &view, 0..height, settings, keep, |rows| {
+        pixels.extend_from_slice(rows);
+        Ok(())
+    });
     pixels
 }
 

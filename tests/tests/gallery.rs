@@ -7,8 +7,8 @@ use std::process::Command;
 
 use glam::Vec3;
 use whitted::picture::to_rgb8;
-use whitted_cli::picture::Picture;
-use whitted_cli::render::{Sampling, Settings, render_sampled};
+use whitted_cli::picture::{Picture, Transfer};
+use whitted_cli::render::{Sampling, Settings, encode, render_sampled};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::{SceneFile, Shape, read};
 use whitted_tests::comparison::{differences, render, render_fast};
@@ -232,11 +232,11 @@ fn sampled(file: &SceneFile, width: u32, height: u32, sampling: Sampling) -> Vec
         threshold: 0.0,
     };
     let mut channels = Vec::new();
-    let emit = |pixels: &[Vec3]| {
-        let bytes = pixels.iter().flat_map(|it| to_rgb8(*it));
-        channels.extend(bytes.map(u16::from));
+    let develop = |pixels: &[Vec3], bytes: &mut [[u8; 3]]| encode(pixels, bytes, Transfer::Linear);
+    let emit = |bytes: &[[u8; 3]]| {
+        channels.extend(bytes.as_flattened().iter().copied().map(u16::from));
         Ok::<_, Infallible>(())
     };
-    let Ok(_) = render_sampled(&host, &view, 0..height, settings, sampling, || {}, emit);
+    let Ok(_) = render_sampled(&host, &view, 0..height, settings, sampling, develop, emit);
     channels
 }

@@ -57,8 +57,14 @@ struct Job<'a> {
     transfer: Transfer,
 }
 
+/// A pixel of a picture in a file: red, green, blue.
+type Pixel = [u8; 3];
+
+/// Makes pixels of a file of what rays bring, on any thread.
+type Develop<'a> = &'a (dyn Fn(&[Vec3], &mut [Pixel]) + Sync);
+
 /// Where a picture goes, some whole rows at a time.
-type Emit<'a> = &'a mut dyn FnMut(&[Vec3]) -> io::Result<()>;
+type Emit<'a> = &'a mut dyn FnMut(&[Pixel]) -> io::Result<()>;
 
 impl Job<'_> {
     fn scene(&self, file: &SceneFile) -> anyhow::Result<()> {
@@ -71,9 +77,8 @@ impl Job<'_> {
         };
         let settings = self.settings(file.depth);
         let sampling = self.sampling()?;
-        self.write(&view, rows.clone(), |progress, emit| {
-            let row_done = || progress.inc(1);
-            let counters = render_sampled(&scene, &view, rows, settings, sampling, row_done, emit)?;
+        self.write(&view, rows.clone(), |develop, emit| {
+            let counters = render_sampled(&scene, &view, rows, settings, sampling, develop, emit)?;
             Ok(Some(counters))
         })
     }
@@ -100,9 +105,8 @@ impl Job<'_> {
         let sampling = self.sampling()?;
         if self.args.trace {
             let settings = self.settings(file.depth);
-            return self.write(&view, rows.clone(), |progress, emit| {
-                let row_done = || progress.inc(1);
-                let counters = host.trace(&view, rows, settings, sampling, row_done, emit)?;
+            return self.write(&view, rows.clone(), |develop, emit| {
+                let counters = host.trace(&view, rows, settings, sampling, develop, emit)?;
                 Ok(Some(counters))
             });
         }
@@ -116,8 +120,8 @@ impl Job<'_> {
                 bail!("--adaptive saves rays, and columns take one each; for a map, add --trace")
             }
         };
-        self.write(&view, rows.clone(), |_, emit| {
-            host.draw(&view, rows, samples, emit)?;
+        self.write(&view, rows.clone(), |develop, emit| {
+            host.draw(&view, rows, samples, develop, emit)?;
             Ok(None)
         })
     }
@@ -152,7 +156,7 @@ impl Job<'_> {
         &self,
         view: &View,
         rows: Range<u32>,
-        draw: impl FnOnce(&ProgressBar, Emit<'_>) -> io::Result<Option<Counters>> + Send,
+        draw: impl FnOnce(Develop<'_>, Emit<'_>) -> io::Result<Option<Counters>> + Send,
     ) -> anyhow::Result<()> {
         let (args, transfer) = (self.args, self.transfer);
         let cannot_write = || format!("cannot write {}", args.output.display());
@@ -162,11 +166,14 @@ impl Job<'_> {
         let writer = Writer::new(sink, self.format, view.width, height, transfer);
         let mut writer = writer.with_context(cannot_write)?;
         let progress = progress_bar(height);
+        let width = view.width as usize;
+        let develop = |pixels: &[Vec3], developed: &mut [Pixel]| {
+            encode(pixels, developed, transfer);
+            progress.inc((pixels.len() / width) as u64);
+        };
         let start = Instant::now();
         let counters = with_threads(args.threads, || {
-            draw(&progress, &mut |pixels| {
-                writer.rows(&encode(pixels, transfer))
-            })
+            draw(&develop, &mut |pixels| writer.rows(pixels.as_flattened()))
         })?
         .with_context(cannot_write)?;
         let time = start.elapsed();

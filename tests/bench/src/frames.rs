@@ -11,8 +11,8 @@ use nix::sys::resource::{UsageWho, getrusage};
 use rayon::ThreadPoolBuilder;
 use whitted::{Counters, Exact, Scene, Tracer};
 use whitted_cli::compare::Comparison;
-use whitted_cli::picture::Picture;
-use whitted_cli::render::{Settings, render};
+use whitted_cli::picture::{Picture, Transfer};
+use whitted_cli::render::{Settings, encode, render};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::{self, SceneFile, limits};
 
@@ -34,6 +34,11 @@ const SCENES: [&str; 7] = [
     "tetra-6",
     "tree-8",
 ];
+
+/// What the program makes of pixels.
+fn develop(pixels: &[Vec3], bytes: &mut [[u8; 3]]) {
+    encode(pixels, bytes, Transfer::Linear);
+}
 
 /// Seconds of all processors that a program takes, the system's work for it included.
 fn cpu_seconds(command: &mut Command) -> anyhow::Result<f64> {
@@ -198,7 +203,7 @@ fn intersectors(name: &str, file: &SceneFile, rounds: usize) -> anyhow::Result<V
     };
     let frame = || {
         let rows = 0..SIZE;
-        render(&scene, &view, rows, settings, || {}, |_| Ok::<_, ()>(()))
+        render(&scene, &view, rows, settings, develop, |_| Ok::<_, ()>(()))
     };
     let threads = [1, 2].map(|it| ThreadPoolBuilder::new().num_threads(it).build());
     let [one, two] = threads;
@@ -259,8 +264,16 @@ fn cray(report: &mut Report, rounds: usize) -> anyhow::Result<()> {
         let mut best = f64::INFINITY;
         for _ in 0..rounds.max(5) {
             let start = Instant::now();
-            let _ =
-                one.install(|| render(&scene, &view, 0..600, settings, || {}, |_| Ok::<_, ()>(())));
+            let _ = one.install(|| {
+                render(
+                    &scene,
+                    &view,
+                    0..600,
+                    settings,
+                    develop,
+                    |_| Ok::<_, ()>(()),
+                )
+            });
             best = best.min(start.elapsed().as_secs_f64());
         }
         rows.push(vec![

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use glam::Vec3;
 use whitted_cli::bake::{Layout, bake_with};
-use whitted_cli::render::{Settings, render_whole as render};
+use whitted_cli::render::{Settings, keep, render_whole as render};
 use whitted_cli::scene::{HostScene, Pool};
 use whitted_cli::scene_file::{self, SceneFile};
 
@@ -112,11 +112,11 @@ pub fn write_with(
             threshold: 0.0,
         };
         let mut pixels: Vec<Vec3> = Vec::new();
-        let keep = |row: &[Vec3]| {
+        let add = |row: &[Vec3]| {
             pixels.extend(row);
             Ok::<_, Infallible>(())
         };
-        let Ok(counters) = render(&scene, &view, 0..*height, settings, || (), keep);
+        let Ok(counters) = render(&scene, &view, 0..*height, settings, keep, add);
         Ok((name.clone(), Expected::of_pixels(&pixels, counters)))
     });
     all.collect()

@@ -14,7 +14,7 @@ use whitted::scene::Quantity;
 use whitted::{
     AreaLight, Counters, Exact, LightSource, Math, Ray, Scene, Tracer, Vec3 as Color, View,
 };
-use whitted_cli::render::{Sampling, Settings, render_sampled};
+use whitted_cli::render::{Sampling, Settings, keep, render_sampled};
 use whitted_cli::scene::{HostScene, Light, Pool};
 use whitted_cli::scene_file::{SceneFile, read};
 
@@ -129,7 +129,7 @@ fn pixels(name: &str, width: u32) -> Vec<Sampled> {
             Ok::<_, Infallible>(())
         };
         let rows = 0..view.height;
-        let Ok(counters) = render_sampled(&host, view, rows, settings, sampling, || {}, emit);
+        let Ok(counters) = render_sampled(&host, view, rows, settings, sampling, keep, emit);
         let rays = all(&counters);
         Drawn { pixels, rays }
     };
