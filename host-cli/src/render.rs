@@ -118,14 +118,15 @@ where
 {
     match sampling {
         Sampling::Middle => {
-            let band = |rows, pixels: &mut [Vec3]| trace_lines(scene, view, rows, settings, pixels);
-            bands(view, rows, 1, band, develop, emit)
+            let lone_rays =
+                |tile, pixels: &mut [Vec3]| trace_tile(scene, view, tile, settings, pixels);
+            tiles(view, rows, LONE, lone_rays, develop, emit)
         }
         Sampling::Regular(samples) => {
             supersample(view, rows, samples, develop, emit, |fine, rows, add| {
-                let band =
-                    |rows, pixels: &mut [Vec3]| trace_lines(scene, fine, rows, settings, pixels);
-                bands(fine, rows, 1, band, keep, add)
+                let lone_rays =
+                    |tile, pixels: &mut [Vec3]| trace_tile(scene, fine, tile, settings, pixels);
+                tiles(fine, rows, LONE, lone_rays, keep, add)
             })
         }
         Sampling::Adaptive { bound, levels } => {
@@ -185,17 +186,18 @@ where
     G: Geometry<Material = Material> + Sync,
     P: Clone + Default + Send,
 {
-    let band = |rows, pixels: &mut [Vec3]| {
-        let band = match levels {
+    let whole_rows = |tile: Tile, pixels: &mut [Vec3]| {
+        let adaptive_rows = match levels {
             ..=1 => adaptive_rows::<_, 3>,
             2 => adaptive_rows::<_, 5>,
             3 => adaptive_rows::<_, 9>,
             4.. => adaptive_rows::<_, 17>,
         };
-        band(scene, view, rows, settings, bound, pixels)
+        adaptive_rows(scene, view, tile.rows, settings, bound, pixels)
     };
     // Only the rays of a band's upper edge are traced twice.
-    bands(view, rows, 16, band, develop, emit)
+    let size = [view.width, 16];
+    tiles(view, rows, size, whole_rows, develop, emit)
 }
 
 /// Rows with adaptive anti-aliasing.
@@ -234,9 +236,10 @@ pub fn render_at<P: Clone + Default + Send, E>(
 ) -> Result<Counters, E> {
     let geometry = Wide::with_level(scene.geometry, level);
     if needs_tracer(scene) {
+        let scene = over(&geometry, scene);
         let lone_rays =
-            |rows, pixels: &mut [Vec3]| trace_rows(&geometry, scene, view, rows, settings, pixels);
-        return bands(view, rows, 1, lone_rays, develop, emit);
+            |tile, pixels: &mut [Vec3]| trace_tile(&scene, view, tile, settings, pixels);
+        return tiles(view, rows, LONE, lone_rays, develop, emit);
     }
     let job = Job {
         geometry: &geometry,
@@ -246,8 +249,11 @@ pub fn render_at<P: Clone + Default + Send, E>(
         depth: settings.depth.min(limits::DEPTH),
         threshold: settings.threshold,
     };
-    let in_lockstep = |rows, pixels: &mut [Vec3]| lockstep::rows(&job, view, rows, pixels);
-    bands(view, rows, HEIGHT, in_lockstep, develop, emit)
+    let in_lockstep = |Tile { rows, columns }: Tile, pixels: &mut [Vec3]| {
+        lockstep::tile(&job, view, rows, columns, pixels)
+    };
+    let size = [WIDTH, HEIGHT as u32];
+    tiles(view, rows, size, in_lockstep, develop, emit)
 }
 
 /// As [`render`], of all of a scene, with solids and what is placed.
@@ -268,9 +274,9 @@ pub fn render_whole<P: Clone + Default + Send, E>(
         return render(&scene, view, rows, settings, develop, emit);
     }
     let whole = host.whole(Wide::new);
-    let lone_rays =
-        |rows, pixels: &mut [Vec3]| trace_rows(&whole, &scene, view, rows, settings, pixels);
-    bands(view, rows, 1, lone_rays, develop, emit)
+    let scene = over(&whole, &scene);
+    let lone_rays = |tile, pixels: &mut [Vec3]| trace_tile(&scene, view, tile, settings, pixels);
+    tiles(view, rows, LONE, lone_rays, develop, emit)
 }
 
 /// Whether the scene has something that only [`Tracer`] does.
@@ -287,27 +293,17 @@ fn needs_tracer(scene: &AnyScene<'_>) -> bool {
     is_soft || !(flat && round && others)
 }
 
-/// Renders rows as [`lockstep::rows`] does, with the same bits, by [`Tracer`] itself: each ray alone.
-fn trace_rows(
-    geometry: &impl Geometry<Material = Material>,
-    scene: &AnyScene<'_>,
-    view: &View,
-    rows: Range<u32>,
-    settings: Settings,
-    pixels: &mut [Vec3],
-) -> Counters {
-    trace_lines(&over(geometry, scene), view, rows, settings, pixels)
-}
-
-fn trace_lines<G: Geometry<Material = Material>>(
+/// Renders a tile as [`lockstep::tile`] does, with the same bits, by [`Tracer`] itself: each ray alone.
+fn trace_tile<G: Geometry<Material = Material>>(
     scene: &Scene<'_, G, Light>,
     view: &View,
-    rows: Range<u32>,
+    Tile { rows, columns }: Tile,
     settings: Settings,
     pixels: &mut [Vec3],
 ) -> Counters {
     let mut tracer = tracer(settings);
-    let rays = rows.flat_map(|row| view.rays(row));
+    let (left, width) = (columns.start as usize, columns.len());
+    let rays = rows.flat_map(|row| view.rays(row).skip(left).take(width));
     for (pixel, ray) in pixels.iter_mut().zip(rays) {
         *pixel = tracer.radiance(scene, ray);
     }
@@ -331,12 +327,26 @@ fn tracer(settings: Settings) -> Tracer<{ limits::DEPTH }, Exact, Counters> {
     tracer
 }
 
-/// Has `band` compute all rows, on all cores, `band_height` of them at a time.
-fn bands<P: Clone + Default + Send, E>(
+/// Some rows and columns of a picture.
+#[derive(Clone)]
+struct Tile {
+    rows: Range<u32>,
+    columns: Range<u32>,
+}
+
+/// Least width of a tile that is parted.
+const WIDTH: u32 = 128;
+
+/// Width and height of tiles where each ray is traced alone.
+const LONE: [u32; 2] = [WIDTH, 1];
+
+/// Has `trace` compute all rows, on all cores, by tiles as high as `height`, and none of them narrower than
+/// `least` that the picture is not too narrow for, or its right edge.
+fn tiles<P: Clone + Default + Send, E>(
     view: &View,
     rows: Range<u32>,
-    band_height: usize,
-    band: impl Fn(Range<u32>, &mut [Vec3]) -> Counters + Sync,
+    [least, height]: [u32; 2],
+    trace: impl Fn(Tile, &mut [Vec3]) -> Counters + Sync,
     develop: impl Fn(&[Vec3], &mut [P]) + Sync,
     mut emit: impl FnMut(&[P]) -> Result<(), E>,
 ) -> Result<Counters, E> {
@@ -348,17 +358,18 @@ fn bands<P: Clone + Default + Send, E>(
     for start in rows.clone().step_by(batch as usize) {
         let developed = &mut developed[..batch.min(rows.end - start) as usize * width];
         counters += developed
-            .par_chunks_mut(band_height * width)
-            // Bands take as long as what they show: none waits behind another while a processor is idle.
+            .par_chunks_mut(height as usize * width)
+            // Tiles take as long as what they show: none waits behind another while a processor is idle.
             .with_max_len(1)
             .enumerate()
             .map(|(place, developed)| {
-                let row = start + (place * band_height) as u32;
-                let height = (developed.len() / width) as u32;
-                let mut pixels = vec![Vec3::ZERO; developed.len()];
-                let counters = band(row..row + height, &mut pixels);
-                develop(&pixels, developed);
-                counters
+                let row = start + place as u32 * height;
+                let lines: Vec<_> = developed.chunks_mut(width).collect();
+                let all = Tile {
+                    rows: row..row + lines.len() as u32,
+                    columns: 0..view.width,
+                };
+                in_parts(all, least, lines, &trace, &develop)
             })
             .reduce(Counters::default, |mut sum, rows| {
                 sum += rows;
@@ -367,6 +378,40 @@ fn bands<P: Clone + Default + Send, E>(
         emit(developed)?;
     }
     Ok(counters)
+}
+
+/// Computes a tile, or its left and its right part, whichever thread is free.
+fn in_parts<P: Send>(
+    tile: Tile,
+    least: u32,
+    lines: Vec<&mut [P]>,
+    trace: &(impl Fn(Tile, &mut [Vec3]) -> Counters + Sync),
+    develop: &(impl Fn(&[Vec3], &mut [P]) + Sync),
+) -> Counters {
+    let Tile { rows, columns } = tile.clone();
+    let width = columns.len();
+    let half = (width as u32 / 2).next_multiple_of(least);
+    if half >= width as u32 {
+        let mut pixels = vec![Vec3::ZERO; rows.len() * width];
+        let counters = trace(tile, &mut pixels);
+        for (pixels, line) in pixels.chunks_exact(width).zip(lines) {
+            develop(pixels, line);
+        }
+        return counters;
+    }
+    let parted = lines.into_iter().map(|it| it.split_at_mut(half as usize));
+    let (left, right) = parted.unzip();
+    let middle = columns.start + half;
+    let [left_tile, right_tile] = [columns.start..middle, middle..columns.end].map(|columns| {
+        let rows = rows.clone();
+        Tile { rows, columns }
+    });
+    let (mut counters, others) = rayon::join(
+        || in_parts(left_tile, least, left, trace, develop),
+        || in_parts(right_tile, least, right, trace, develop),
+    );
+    counters += others;
+    counters
 }
 
 /// Pixels as red, green, blue. Of pixels and of room for them, what there is more of is left alone.
@@ -419,7 +464,12 @@ mod tests {
         });
         let mut pixels = vec![Vec3::ZERO; expected.len()];
         let geometry = Wide::new(scene.geometry);
-        let counters = trace_rows(&geometry, &scene, &view, 5..43, settings, &mut pixels);
+        let tile = Tile {
+            rows: 5..43,
+            columns: 0..61,
+        };
+        let scene = over(&geometry, &scene);
+        let counters = trace_tile(&scene, &view, tile, settings, &mut pixels);
         assert_eq!(Ok(counters), rendered);
         let bits = |it: Vec3| it.to_array().map(f32::to_bits);
         assert!(

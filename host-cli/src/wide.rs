@@ -141,7 +141,7 @@ enum AnyTree {
     Other(Level, Tree<8>),
 }
 
-impl<'a, M: Finish> Wide<'a, M> {
+impl<'a, M: Finish + Sync> Wide<'a, M> {
     /// Builds blocks and hierarchy, for the best instructions that this machine has.
     pub fn new(kinds: Kinds<'a, M>) -> Self {
         Self::with_level(kinds, Level::new())
@@ -351,7 +351,7 @@ impl<M> Wide<'_, M> {
         let mut center = Rows::<N>::ZERO;
         let mut spheres = 0_u32;
         for lane in Set(returning) {
-            if let Some(sphere) = self.parts.spheres.objects.get(beams.left[lane] as usize) {
+            if let Some(sphere) = self.parts.spheres.get(beams.left[lane] as usize) {
                 spheres |= 1 << lane;
                 center.set(lane, sphere.shape.center);
             }

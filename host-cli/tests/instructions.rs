@@ -122,7 +122,7 @@ fn all_work(level: Level) -> Vec<Work> {
                 depth: file.depth,
                 threshold: 0.0,
             };
-            lockstep::rows(&job, &view, 0..SIZE, &mut pixels);
+            lockstep::tile(&job, &view, 0..SIZE, 0..SIZE, &mut pixels);
         };
         all.push(Work {
             name: format!("{name}, a frame of {SIZE}x{SIZE}"),

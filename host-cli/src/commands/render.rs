@@ -165,11 +165,10 @@ impl Job<'_> {
         let sink = output.sink().with_context(cannot_write)?;
         let writer = Writer::new(sink, self.format, view.width, height, transfer);
         let mut writer = writer.with_context(cannot_write)?;
-        let progress = progress_bar(height);
-        let width = view.width as usize;
+        let progress = progress_bar(u64::from(height) * u64::from(view.width));
         let develop = |pixels: &[Vec3], developed: &mut [Pixel]| {
             encode(pixels, developed, transfer);
-            progress.inc((pixels.len() / width) as u64);
+            progress.inc(pixels.len() as u64);
         };
         let start = Instant::now();
         let counters = with_threads(args.threads, || {
@@ -210,10 +209,10 @@ fn with_threads<T: Send>(
 }
 
 /// Shows nothing unless standard error is a terminal.
-fn progress_bar(rows: u32) -> ProgressBar {
+fn progress_bar(pixels: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %, {eta} left")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(rows.into()).with_style(style)
+    ProgressBar::new(pixels).with_style(style)
 }
 
 fn summary(view: &View, rows: u32, time: Duration, counters: &Counters) -> String {

@@ -2,6 +2,8 @@
 
 use fearless_simd::{Simd, SimdMask};
 use glam::Vec3;
+use rayon::iter::Either;
+use rayon::prelude::*;
 use whitted::material::Transmission;
 use whitted::{Exact, Finish, Quadric, Ray, Shape, Torus};
 
@@ -219,9 +221,7 @@ impl<const N: usize> Blocks<N> {
         };
         for (lane, item) in items.iter().enumerate() {
             labels.objects[lane] = item.object;
-            if parts.is_opaque(item.object as usize) {
-                labels.opaque |= 1 << lane;
-            }
+            labels.opaque |= u32::from(item.opaque) << lane;
         }
         let places = items.iter().map(|item| item.object as usize);
         match items[0].kind {
@@ -264,7 +264,7 @@ impl<const N: usize> Blocks<N> {
             Kind::Other => {
                 let (quadrics, tori) = (&parts.quadrics, &parts.tori);
                 let place = items[0].object as usize;
-                let block = match quadrics.objects.get(place.wrapping_sub(quadrics.first)) {
+                let block = match quadrics.get(place) {
                     Some(it) => Other::Quadric(it.shape),
                     None => Other::Torus(tori.objects[place - tori.first].shape),
                 };
@@ -360,77 +360,60 @@ fn corners<M, const CORNERS: usize>(
 
 /// All objects that a tree can hold, and the places of those that it cannot: planes, quadrics without
 /// bounds, and objects with a number so large or so odd that nothing is known about where their kernels report hits.
-pub fn items<M: Finish>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
+pub fn items<M: Finish + Sync>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
+    // Fewer are found before another thread is awake.
+    const AT_A_TIME: usize = 512;
+    (0..parts.len())
+        .into_par_iter()
+        .with_min_len(AT_A_TIME)
+        .partition_map(|place| match item(parts, place) {
+            Some(item) => Either::Left(item),
+            None => Either::Right(place as u32),
+        })
+}
+
+fn item<M: Finish>(parts: &Parts<'_, M>, place: usize) -> Option<Item> {
     // Light weakens in a solid also where it meets no surface of it: each is looked at.
-    let absorbs = |material: &M| material.transmission().absorption() != Vec3::ZERO;
-    let mut items = Vec::with_capacity(parts.len());
-    let mut loose: Vec<_> = parts
-        .planes
-        .places()
-        .map(|(place, _)| place as u32)
-        .collect();
-    let mut add = |place: usize, kind, bounds| match bounds {
-        Some(bounds) => items.push(Item {
-            bounds,
-            kind,
-            object: place as u32,
-        }),
-        None => loose.push(place as u32),
-    };
-    for (place, object) in parts.spheres.places() {
-        let sphere = &object.shape;
-        let kind = if sphere.radius > 0.0 {
+    let clear = |material: &M| material.transmission().absorption() == Vec3::ZERO;
+    let (kind, bounds) = if let Some(it) = parts.spheres.get(place) {
+        let kind = if it.shape.radius > 0.0 {
             Kind::Sphere
         } else {
             Kind::HollowSphere
         };
-        let bounds = bounds::of_sphere(sphere);
-        add(place, kind, bounds.filter(|_| !absorbs(object.material)));
-    }
-    let outlines = (parts.polygons.places().map(|(place, _)| place))
-        .chain(parts.triangles.places().map(|(place, _)| place))
-        .chain(parts.patches.places().map(|(place, _)| place));
-    for place in outlines {
+        let bounds = bounds::of_sphere(&it.shape);
+        (kind, bounds.filter(|_| clear(it.material)))
+    } else if parts.planes.get(place).is_some() {
+        return None;
+    } else if let Some(it) = parts.cuboids.get(place) {
+        let bounds = bounds::of_cuboid(&it.shape);
+        (Kind::Cuboid, bounds.filter(|_| clear(it.material)))
+    } else if let Some(it) = parts.frusta.get(place) {
+        let kind = if frustum::shows_outside(&it.shape) {
+            Kind::Frustum
+        } else {
+            Kind::HollowFrustum
+        };
+        (kind, bounds::of_frustum(&it.shape))
+    } else if let Some(it) = parts.quadrics.get(place) {
+        let bounds = bounds::of_quadric(&it.shape);
+        (Kind::Other, bounds.filter(|_| clear(it.material)))
+    } else if let Some(it) = parts.tori.get(place) {
+        let bounds = bounds::of_torus(&it.shape);
+        (Kind::Other, bounds.filter(|_| clear(it.material)))
+    } else {
         let (vertices, normal) = parts.outline(place);
         let kind = match vertices.len() {
             3 => Kind::Triangle,
             4 => Kind::Quad,
             _ => Kind::Outline,
         };
-        add(place, kind, bounds::of_outline(vertices, normal));
-    }
-    for (place, object) in parts.cuboids.places() {
-        let bounds = bounds::of_cuboid(&object.shape);
-        add(
-            place,
-            Kind::Cuboid,
-            bounds.filter(|_| !absorbs(object.material)),
-        );
-    }
-    for (place, object) in parts.frusta.places() {
-        let frustum = &object.shape;
-        let kind = if frustum::shows_outside(frustum) {
-            Kind::Frustum
-        } else {
-            Kind::HollowFrustum
-        };
-        add(place, kind, bounds::of_frustum(frustum));
-    }
-    for (place, object) in parts.quadrics.places() {
-        let bounds = bounds::of_quadric(&object.shape);
-        add(
-            place,
-            Kind::Other,
-            bounds.filter(|_| !absorbs(object.material)),
-        );
-    }
-    for (place, object) in parts.tori.places() {
-        let bounds = bounds::of_torus(&object.shape);
-        add(
-            place,
-            Kind::Other,
-            bounds.filter(|_| !absorbs(object.material)),
-        );
-    }
-    (items, loose)
+        (kind, bounds::of_outline(vertices, normal))
+    };
+    Some(Item {
+        bounds: bounds?,
+        kind,
+        opaque: parts.is_opaque(place),
+        object: place as u32,
+    })
 }

@@ -13,6 +13,8 @@ use super::bounds::{self, Bounds};
 pub struct Item {
     pub bounds: Bounds,
     pub kind: Kind,
+    /// Whether no light goes through.
+    pub opaque: bool,
     /// Its place in the geometry.
     pub object: u32,
 }
@@ -51,7 +53,7 @@ pub enum Method {
 }
 
 /// Below so many items, to share a subtree out among threads costs more than it spares.
-const SHARED: usize = 1024;
+const SHARED: usize = 512;
 
 /// So deep at most: a tree may be deeper than a stack.
 const SHARED_DEPTH: u32 = 24;
@@ -342,19 +344,27 @@ pub struct Collapse<'a, const N: usize> {
 impl<'a, const N: usize> Collapse<'a, N> {
     pub fn new(nodes: &'a [Binary]) -> Self {
         let mut costs = vec![[0.0; N]; nodes.len()];
+        // Of each node; more than a wide node has children are as many.
+        let mut leaves = vec![1_u8; nodes.len()];
         // Children stand behind their parents.
         for (place, node) in nodes.iter().enumerate().rev() {
             if node.count > 0 {
                 continue;
             }
             let first = node.first as usize;
-            let (left, right) = (costs[first], costs[first + 1]);
+            let most = [leaves[first], leaves[first + 1]].map(usize::from);
+            let (left, right) = (&costs[first][..most[0]], &costs[first + 1][..most[1]]);
             let mut of = [f32::INFINITY; N];
             for (k, left) in left.iter().enumerate() {
-                for (of, right) in of[(k + 1).min(N)..].iter_mut().zip(&right) {
+                for (of, right) in of[(k + 1).min(N)..].iter_mut().zip(right) {
                     *of = of.min(left + right);
                 }
             }
+            // Where there are fewer leaves than boxes might be, no more stand for it.
+            let all = (most[0] + most[1]).min(N);
+            leaves[place] = all as u8;
+            let least = of[all - 1];
+            of[all..].fill(least);
             of[0] = node.bounds.area() + of[N - 1];
             let one = of[0];
             of[1..].iter_mut().for_each(|it| *it = it.min(one));
@@ -413,6 +423,7 @@ mod tests {
                 } else {
                     Kind::Triangle
                 },
+                opaque: true,
                 object: i,
             }
         };

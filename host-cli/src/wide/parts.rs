@@ -89,9 +89,10 @@ impl<'a, S, M> Part<'a, S, M> {
         (self.first..self.first + self.objects.len()).contains(&object)
     }
 
-    /// The objects and their places.
-    pub fn places(&self) -> impl Iterator<Item = (usize, &'a Object<'a, S, M>)> + use<'a, S, M> {
-        (self.first..).zip(self.objects)
+    /// The object at a place, if it is one of these.
+    #[inline(always)]
+    pub fn get(&self, object: usize) -> Option<&'a Object<'a, S, M>> {
+        self.objects.get(object.wrapping_sub(self.first))
     }
 }
 
@@ -101,8 +102,7 @@ macro_rules! with_object {
         let (parts, place) = ($parts, $object);
         macro_rules! in_part {
             ($name:ident) => {
-                if parts.$name.holds(place) {
-                    let $shape = &parts.$name.objects[place - parts.$name.first];
+                if let Some($shape) = parts.$name.get(place) {
                     return $use;
                 }
             };
@@ -161,15 +161,12 @@ impl<'a, M> Parts<'a, M> {
 
     /// The vertices of a flat object and its normal; none for other objects.
     pub fn outline(&self, object: usize) -> (&'a [Vec3], Vec3) {
-        if self.triangles.holds(object) {
-            let shape = &self.triangles.objects[object - self.triangles.first].shape;
-            (&shape.vertices, shape.normal)
-        } else if self.patches.holds(object) {
-            let shape = &self.patches.objects[object - self.patches.first].shape;
-            (&shape.vertices, shape.normal)
-        } else if self.polygons.holds(object) {
-            let shape = &self.polygons.objects[object - self.polygons.first].shape;
-            (shape.vertices, shape.normal)
+        if let Some(it) = self.triangles.get(object) {
+            (&it.shape.vertices, it.shape.normal)
+        } else if let Some(it) = self.patches.get(object) {
+            (&it.shape.vertices, it.shape.normal)
+        } else if let Some(it) = self.polygons.get(object) {
+            (it.shape.vertices, it.shape.normal)
         } else {
             (&[], Vec3::ZERO)
         }
@@ -219,11 +216,10 @@ impl<'a, M> Parts<'a, M> {
     #[inline(always)]
     pub fn is_left_for_good(&self, object: usize, side: Side) -> bool {
         let outside = side == Side::Outside;
-        if let Some(sphere) = self.spheres.objects.get(object) {
+        if let Some(sphere) = self.spheres.get(object) {
             return outside == (sphere.shape.radius > 0.0);
         }
-        let frusta = &self.frusta;
-        if let Some(frustum) = frusta.objects.get(object.wrapping_sub(frusta.first)) {
+        if let Some(frustum) = self.frusta.get(object) {
             return outside == frustum::shows_outside(&frustum.shape);
         }
         self.is_flat(object) || outside && self.cuboids.holds(object)
