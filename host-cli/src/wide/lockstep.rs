@@ -41,20 +41,21 @@ pub struct Job<'a, L> {
     pub threshold: f32,
 }
 
-/// Renders rows of a picture, from top to bottom, left to right, into `pixels`.
-pub fn rows<L: LightSource + Copy>(
+/// Renders some rows and columns of a picture, from top to bottom, left to right, into `pixels`.
+pub fn tile<L: LightSource + Copy>(
     job: &Job<'_, L>,
     view: &View,
     rows: Range<u32>,
+    columns: Range<u32>,
     pixels: &mut [Vec3],
 ) -> Counters {
     let mut counters = Counters::default();
-    with_tree!(&job.geometry.tree, |tree, simd| band(
+    with_tree!(&job.geometry.tree, |tree, simd| groups(
         simd,
         tree,
         job,
         view,
-        rows,
+        [rows, columns],
         pixels,
         &mut counters
     ));
@@ -215,12 +216,12 @@ impl<'a, L> Job<'a, L> {
 
 /// Groups of neighbouring pixels, as square as they can be.
 #[inline(always)]
-fn band<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
+fn groups<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
     simd: S,
     tree: &Tree<N>,
     job: &Job<'_, L>,
     view: &View,
-    rows: Range<u32>,
+    [rows, columns]: [Range<u32>; 2],
     pixels: &mut [Vec3],
     counters: &mut Counters,
 ) where
@@ -229,7 +230,7 @@ fn band<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
     let camera = &view.camera;
     let down = camera.down / view.height as f32;
     let step = Vectors::<V>::splat(simd, camera.right / view.width as f32);
-    let (width, across) = (view.width as usize, N / HEIGHT);
+    let (width, across) = (columns.len(), N / HEIGHT);
     let (half, one) = (V::simd_from(simd, 0.5), V::simd_from(simd, 1.0));
     let mut group = Group::new(*job, tree, ENOUGH_OF_PIXELS);
     for top in rows.clone().step_by(HEIGHT) {
@@ -242,11 +243,11 @@ fn band<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
         let first = (top - rows.start) as usize * width;
         for left in (0..width).step_by(across) {
             // As `View::rays`.
-            let mut columns = [0.0; N];
-            for (lane, column) in columns.iter_mut().enumerate() {
-                *column = (left + lane % across) as u32 as f32;
+            let mut places = [0.0; N];
+            for (lane, place) in places.iter_mut().enumerate() {
+                *place = (columns.start as usize + left + lane % across) as u32 as f32;
             }
-            let to_pixel = start.load(simd) + step * (V::from_slice(simd, &columns) + half);
+            let to_pixel = start.load(simd) + step * (V::from_slice(simd, &places) + half);
             let direction = to_pixel * (one / to_pixel.dot(to_pixel).sqrt());
             group
                 .beams
@@ -536,14 +537,12 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let mut slope = [0.0; N];
         for lane in Set(hit) {
             let object = hits.object[lane] as usize;
-            if let Some(it) = parts.spheres.objects.get(object) {
+            if let Some(it) = parts.spheres.get(object) {
                 hits.outward.set(lane, it.shape.center);
                 spheres |= 1 << lane;
                 hollow |= u32::from(!(it.shape.radius > 0.0)) << lane;
                 hits.material[lane] = Some(it.material);
-            } else if let Some(it) =
-                (parts.frusta.objects).get(object.wrapping_sub(parts.frusta.first))
-            {
+            } else if let Some(it) = parts.frusta.get(object) {
                 hits.outward.set(lane, it.shape.base);
                 axis.set(lane, it.shape.axis);
                 slope[lane] = it.shape.slope;
