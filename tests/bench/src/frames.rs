@@ -25,6 +25,8 @@ use crate::workload::Random;
 pub const AS_WHITTED: &str = "--as-whitted";
 
 const SIZE: u32 = 512;
+/// So many rounds, for one in which a second processor, idle until then, is awake at once.
+const AWAKE: usize = 20;
 const SCENES: [&str; 7] = [
     "balls-4",
     "gears-2",
@@ -115,7 +117,7 @@ pub fn run(report: &mut Report, rounds: usize, quick: bool) -> anyhow::Result<()
             native.as_deref(),
             rounds,
         )?);
-        shader.push(intersectors(name, &file, rounds)?);
+        shader.push(intersectors(name, &file, rounds.max(AWAKE))?);
         eprintln!("{name}: {:?} {:?}", rows.last(), shader.last());
     }
     report.table(
