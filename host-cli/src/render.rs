@@ -390,7 +390,8 @@ fn in_parts<P: Send>(
 ) -> Counters {
     let Tile { rows, columns } = tile.clone();
     let width = columns.len();
-    let half = (width as u32 / 2).next_multiple_of(least);
+    // Of a tile that is not to be parted, all.
+    let half = (width as u32 / 2).max(1).next_multiple_of(least);
     if half >= width as u32 {
         let mut pixels = vec![Vec3::ZERO; rows.len() * width];
         let counters = trace(tile, &mut pixels);
@@ -479,6 +480,38 @@ mod tests {
                 .eq(expected.iter().map(|&it| bits(it)))
         );
         assert!(counters.refracted > 0 && counters.shadow > 0);
+    }
+
+    #[test]
+    fn every_pixel_is_in_a_tile_whatever_the_width() {
+        for width in [1, 2, 127, 128, 129, 255, 256, 257, 385] {
+            let camera = whitted::Camera::look_at(Vec3::ZERO, Vec3::Z, Vec3::Y, 1.0, 1.0);
+            let view = View {
+                camera: camera.unwrap(),
+                width,
+                height: 7,
+            };
+            let number = |tile: Tile, pixels: &mut [Vec3]| {
+                let columns = tile.columns;
+                let places = tile
+                    .rows
+                    .flat_map(|row| columns.clone().map(move |it| (it, row)));
+                for (pixel, (column, row)) in pixels.iter_mut().zip(places) {
+                    *pixel = Vec3::new(column as f32, row as f32, 1.0);
+                }
+                Counters::default()
+            };
+            let mut all = Vec::new();
+            let emit = |pixels: &[Vec3]| {
+                all.extend_from_slice(pixels);
+                Ok::<_, ()>(())
+            };
+            tiles(&view, 2..7, [WIDTH, 4], number, keep, emit).unwrap();
+            let expected = (2..7).flat_map(|row| {
+                (0..width).map(move |column| Vec3::new(column as f32, row as f32, 1.0))
+            });
+            assert!(all.into_iter().eq(expected), "{width}");
+        }
     }
 
     #[test]
