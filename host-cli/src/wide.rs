@@ -110,6 +110,8 @@ pub struct Wide<'a, M> {
     has_cuboids: bool,
     /// Whether an object may be met again by a ray that leaves it outwards.
     returns_outside: bool,
+    /// Whether light weakens in any object.
+    absorbs: bool,
     /// Where boxes and objects take more memory than is near, the box round all of them.
     far: Option<[Vec3; 2]>,
     /// Where all objects are tested, and lanes give the kernels' own answer about all.
@@ -143,6 +145,10 @@ enum AnyTree {
 
 impl<'a, M: Finish + Sync> Wide<'a, M> {
     /// Builds blocks and hierarchy, for the best instructions that this machine has.
+    ///
+    /// # Panics
+    ///
+    /// As [`with_level`](Self::with_level).
     pub fn new(kinds: Kinds<'a, M>) -> Self {
         Self::with_level(kinds, Level::new())
     }
@@ -169,6 +175,7 @@ impl<'a, M: Finish + Sync> Wide<'a, M> {
         Self {
             few: few.then(|| Few::new(&parts)),
             returns_outside: (0..parts.len()).any(|it| !parts.is_left_for_good(it, Side::Outside)),
+            absorbs: loose.iter().any(|&it| !parts.is_clear(it as usize)),
             parts,
             loose,
             search: about.search,
@@ -358,9 +365,8 @@ impl<M> Wide<'_, M> {
             }
         }
         departures.others = returning & !spheres;
-        // As `Sphere::intersect`.
-        let to_center = center.load::<S, V>(simd) - beams.origin.load(simd);
-        let t = to_center.dot(beams.direction.load(simd)) * V::simd_from(simd, 2.0);
+        let (origin, direction) = (beams.origin.load::<S, V>(simd), beams.direction.load(simd));
+        let t = sphere::across(simd, center.load(simd), origin, direction);
         let ends = V::from_slice(simd, &beams.end);
         let met = t.simd_gt(V::simd_from(simd, 0.0)) & t.simd_lt(ends);
         departures.across = met.to_bitmask() as u32 & spheres;

@@ -283,11 +283,10 @@ fn sphere<S: Simd, V: Lanes<S>>(
         sphere::meet::<S, V, true>(simd, center, square, origin, direction, limit)
     };
     if terms.any_left && left.any_true() {
-        // The other end of the chord.
-        let chord = (center - origin).dot(direction) * V::simd_from(simd, 2.0);
-        let across = terms.inward ^ V::Mask::splat(simd, !shows_outside);
+        let chord = sphere::across(simd, center, origin, direction);
+        let inside = terms.inward ^ V::Mask::splat(simd, !shows_outside);
         let zero = V::simd_from(simd, 0.0);
-        let met = across & chord.simd_gt(zero) & chord.simd_lt(limit);
+        let met = inside & chord.simd_gt(zero) & chord.simd_lt(limit);
         meeting.t = left.select(chord, meeting.t);
         meeting.met = (left & met) | (!left & meeting.met);
     }

@@ -11,6 +11,10 @@ use crate::paint::Paint;
 use crate::scene::Material;
 
 const fn stuff(transmittance: f32) -> Material {
+    fog(transmittance, 0.0)
+}
+
+const fn fog(transmittance: f32, absorption: f32) -> Material {
     Material {
         color: Paint::Plain(Vec3::ONE),
         ambient: 0.0,
@@ -23,10 +27,13 @@ const fn stuff(transmittance: f32) -> Material {
         transmission: Absorbing {
             tint: Vec3::splat(transmittance),
             ior: 1.5,
-            absorption: Vec3::ZERO,
+            absorption: Vec3::splat(absorption),
         },
     }
 }
+
+/// In which light weakens.
+static FOG: Material = fog(0.9, 0.5);
 
 static STUFF: [Material; 5] = [
     stuff(0.0),
@@ -597,9 +604,13 @@ impl Owned {
         for _ in 0..4 {
             let first = self.ray(random);
             let spread = random.pick(&[0.0, 1e-3, 0.05, 4.0]);
+            let back = random.pick(&[0.0, 0.0, 1e4, 1e6]);
             for _ in 0..1 + random.below(24) {
                 let direction = first.direction + random.vector() * spread;
+                // One may start far behind the others.
+                let back = random.pick(&[0.0, 0.0, back]);
                 rays.push(Ray {
+                    origin: first.origin - first.direction * back,
                     direction: Exact::normalize(direction),
                     ..first
                 });
@@ -676,6 +687,10 @@ fn rays_together_are_answered_as_the_kernels_do() {
         scene.planes.clear();
         let [met, dimmed] = compare_together(&scene, 0, 200, &mut random, regular);
         assert!(met > 400 && dimmed > 20, "{style:?}: {met}, {dimmed}");
+        // Where light weakens on its way.
+        scene.spheres[0].material = &FOG;
+        let [met, dimmed] = compare_together(&scene, 0, 100, &mut random, regular);
+        assert!(met > 200 && dimmed > 20, "{style:?}: {met}, {dimmed}");
     }
 }
 

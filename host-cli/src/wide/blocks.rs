@@ -4,7 +4,6 @@ use fearless_simd::{Simd, SimdMask};
 use glam::Vec3;
 use rayon::iter::Either;
 use rayon::prelude::*;
-use whitted::material::Transmission;
 use whitted::{Exact, Finish, Quadric, Ray, Shape, Torus};
 
 use super::bounds;
@@ -374,20 +373,18 @@ pub fn items<M: Finish + Sync>(parts: &Parts<'_, M>) -> (Vec<Item>, Vec<u32>) {
 
 fn item<M: Finish>(parts: &Parts<'_, M>, place: usize) -> Option<Item> {
     // Light weakens in a solid also where it meets no surface of it: each is looked at.
-    let clear = |material: &M| material.transmission().absorption() == Vec3::ZERO;
+    let clear = |_: &bounds::Bounds| parts.is_clear(place);
     let (kind, bounds) = if let Some(it) = parts.spheres.get(place) {
         let kind = if it.shape.radius > 0.0 {
             Kind::Sphere
         } else {
             Kind::HollowSphere
         };
-        let bounds = bounds::of_sphere(&it.shape);
-        (kind, bounds.filter(|_| clear(it.material)))
+        (kind, bounds::of_sphere(&it.shape).filter(clear))
     } else if parts.planes.get(place).is_some() {
         return None;
     } else if let Some(it) = parts.cuboids.get(place) {
-        let bounds = bounds::of_cuboid(&it.shape);
-        (Kind::Cuboid, bounds.filter(|_| clear(it.material)))
+        (Kind::Cuboid, bounds::of_cuboid(&it.shape).filter(clear))
     } else if let Some(it) = parts.frusta.get(place) {
         let kind = if frustum::shows_outside(&it.shape) {
             Kind::Frustum
@@ -396,11 +393,9 @@ fn item<M: Finish>(parts: &Parts<'_, M>, place: usize) -> Option<Item> {
         };
         (kind, bounds::of_frustum(&it.shape))
     } else if let Some(it) = parts.quadrics.get(place) {
-        let bounds = bounds::of_quadric(&it.shape);
-        (Kind::Other, bounds.filter(|_| clear(it.material)))
+        (Kind::Other, bounds::of_quadric(&it.shape).filter(clear))
     } else if let Some(it) = parts.tori.get(place) {
-        let bounds = bounds::of_torus(&it.shape);
-        (Kind::Other, bounds.filter(|_| clear(it.material)))
+        (Kind::Other, bounds::of_torus(&it.shape).filter(clear))
     } else {
         let (vertices, normal) = parts.outline(place);
         let kind = match vertices.len() {

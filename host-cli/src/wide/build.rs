@@ -67,8 +67,18 @@ pub fn binary(
     leaf: impl Fn(Kind) -> usize + Copy + Sync,
     method: Method,
 ) -> Vec<Binary> {
+    shared(items, leaf, method, SHARED_DEPTH)
+}
+
+/// As [`binary`]; subtrees so many levels below the root are not shared out.
+fn shared(
+    items: &mut [Item],
+    leaf: impl Fn(Kind) -> usize + Copy + Sync,
+    method: Method,
+    levels: u32,
+) -> Vec<Binary> {
     let root = Binary::leaf(bounds_of(items), 0, items.len());
-    let grown = grow(items, root, leaf, method, SHARED_DEPTH);
+    let grown = grow(items, root, leaf, method, levels);
     let mut nodes = Vec::with_capacity(items.len());
     // Each is to be put where it belongs.
     let mut pending = vec![(grown, 0)];
@@ -455,11 +465,12 @@ mod tests {
             let expected = leaves(&subtree(&mut alone, root, |_| 8, method));
             let counts: usize = expected.iter().map(|leaf| leaf.2 as usize).sum();
             assert_eq!(counts, alone.len());
-            for threads in [1, 3] {
+            for (threads, levels) in [(1, SHARED_DEPTH), (3, SHARED_DEPTH), (3, 0), (3, 1), (3, 2)]
+            {
                 let mut shared = items();
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
                 let pool = pool.build().unwrap();
-                let nodes = pool.install(|| binary(&mut shared, |_| 8, method));
+                let nodes = pool.install(|| super::shared(&mut shared, |_| 8, method, levels));
                 assert_eq!(nodes.len(), 2 * expected.len() - 1);
                 assert_eq!(leaves(&nodes), expected);
                 let objects = |items: &[Item]| items.iter().map(|it| it.object).collect::<Vec<_>>();

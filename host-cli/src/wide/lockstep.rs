@@ -237,7 +237,8 @@ fn groups<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
         let height = HEIGHT.min((rows.end - top) as usize);
         let mut start = Rows::<N>::ZERO;
         for lane in 0..N {
-            let row = (top + (lane / across) as u32) as f32;
+            // Lanes below the last row are not looked at.
+            let row = top.wrapping_add((lane / across) as u32) as f32;
             start.set(lane, camera.corner + down * (row + 0.5));
         }
         let first = (top - rows.start) as usize * width;
@@ -756,7 +757,9 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             }
         }
         let mut light = [Transmittance::default(); N];
-        if lit & !regular == 0 && geometry.casts_as_group(lit, neighbours) {
+        // What rays cross is counted there, not how far they go in it.
+        let countable = lit & !regular == 0 && !geometry.absorbs;
+        if countable && geometry.casts_as_group(lit, neighbours) {
             let (mut limits, mut dark) = (beams.end, 0_u32);
             let departures = geometry.departures(simd, beams, lit);
             for lane in Set(departures.across | departures.others) {

@@ -227,15 +227,9 @@ impl<const N: usize> NodeTermsOfEach<N> {
         direction: Vectors<V>,
         slack: f32,
     ) -> Self {
-        let slack = (origin.x.abs() + origin.y.abs() + origin.z.abs()) * V::simd_from(simd, slack);
         let mut axes = [[[0.0; N]; 3]; 3];
-        let ways = [
-            (origin.x, direction.x),
-            (origin.y, direction.y),
-            (origin.z, direction.z),
-        ];
-        for (rows, (origin, direction)) in axes.iter_mut().zip(ways) {
-            let terms = SlabTermsOfEach::new(simd, origin, direction, slack);
+        let terms = SlabTermsOfEach::of_axes(simd, origin, direction, slack);
+        for (rows, terms) in axes.iter_mut().zip(terms) {
             terms.reciprocal.store_slice(&mut rows[0]);
             terms.near.store_slice(&mut rows[1]);
             terms.far.store_slice(&mut rows[2]);
@@ -263,16 +257,36 @@ impl<const N: usize> NodeTermsOfEach<N> {
 }
 
 /// As [`SlabTerms`], a ray a lane.
+#[derive(Clone, Copy)]
 pub struct SlabTermsOfEach<V> {
     pub reciprocal: V,
     pub near: V,
     pub far: V,
 }
 
-impl<V> SlabTermsOfEach<V> {
+impl<V: Copy> SlabTermsOfEach<V> {
+    /// Across each axis; `slack` is that of [`NodeTerms::new`].
+    #[inline(always)]
+    pub fn of_axes<S: Simd>(
+        simd: S,
+        origin: Vectors<V>,
+        direction: Vectors<V>,
+        slack: f32,
+    ) -> [Self; 3]
+    where
+        V: Lanes<S>,
+    {
+        let slack = (origin.x.abs() + origin.y.abs() + origin.z.abs()) * V::simd_from(simd, slack);
+        [
+            Self::new(simd, origin.x, direction.x, slack),
+            Self::new(simd, origin.y, direction.y, slack),
+            Self::new(simd, origin.z, direction.z, slack),
+        ]
+    }
+
     /// As [`SlabTerms::new`].
     #[inline(always)]
-    pub fn new<S: Simd>(simd: S, origin: V, direction: V, slack: V) -> Self
+    fn new<S: Simd>(simd: S, origin: V, direction: V, slack: V) -> Self
     where
         V: Lanes<S>,
     {
@@ -286,6 +300,19 @@ impl<V> SlabTermsOfEach<V> {
             near: start + moved,
             far: start - moved,
         }
+    }
+
+    /// Where each ray enters the space between two planes, and where it leaves it: of each, the plane that
+    /// it comes to first is given first.
+    #[inline(always)]
+    pub fn meet<S: Simd>(&self, near: V, far: V) -> (V, V)
+    where
+        V: Lanes<S>,
+    {
+        (
+            near.mul_sub(self.reciprocal, self.near),
+            far.mul_sub(self.reciprocal, self.far),
+        )
     }
 }
 

@@ -6,8 +6,9 @@
 //! Tracing Algorithm", SIGGRAPH 2005; S. Boulos, D. Edwards, J. D. Lacewell et al., "Packet-based Whitted
 //! and Distribution Ray Tracing", Graphics Interface 2007.
 //!
-//! Of rays that do not all go the same way, as along which axis and in which of its directions, enough that
-//! do go together. The rest go one after the other, and share only how their terms are computed.
+//! Rays go the same way where they go in the same direction of each axis and, where there are outlines, are
+//! closest to the same one. Of rays that go several ways, enough that go the same go together. The rest go
+//! one after the other, and share only how their terms are computed.
 
 use core::hint::black_box;
 
@@ -30,8 +31,7 @@ pub struct Packet<'a, const N: usize> {
     pub beams: &'a Beams<N>,
     /// Which: a bit a ray, at least one.
     pub active: u32,
-    /// How many of those that go the same way, of all that do not, are not there by chance, but have more in
-    /// common: so many go together.
+    /// So many rays that go the same way go together; fewer go one by one, unless they are all there are.
     pub enough: u32,
 }
 
@@ -51,26 +51,25 @@ struct Bundle<V> {
 }
 
 /// How rays cross the space between planes across an axis, all in the same direction.
+///
+/// No ray is at a plane before the least that `(plane - start) * reciprocal - nearest` is for any of the
+/// reciprocals, nor after the greatest with `farthest`.
 struct Slabs<V> {
     down: bool,
-    /// Of each ray, as of a single one.
-    reciprocal: V,
-    near: V,
-    far: V,
-    /// Of all: what follows is as from this coordinate.
+    of_each: SlabTermsOfEach<V>,
+    /// Where one of the rays starts: as from here the others start near.
     start: f32,
     /// The reciprocals' range.
     least: f32,
     greatest: f32,
+    /// The most that is to be taken off for any ray where planes are near, and the least where they are far.
     nearest: f32,
     farthest: f32,
 }
 
 /// The terms of each ray, from which follow those of rays that go the same way.
 struct Ways<V> {
-    x: SlabTermsOfEach<V>,
-    y: SlabTermsOfEach<V>,
-    z: SlabTermsOfEach<V>,
+    axes: [SlabTermsOfEach<V>; 3],
     /// A bit a ray: down which axes it goes, and to which it is closest. Rays without a difference go the
     /// same way.
     ways: [u32; 5],
@@ -84,10 +83,8 @@ impl<V: Copy> Ways<V> {
     {
         let origin: Vectors<V> = beams.origin.load(simd);
         let direction: Vectors<V> = beams.direction.load(simd);
-        let slack = (origin.x.abs() + origin.y.abs() + origin.z.abs()) * slack;
-        let x = SlabTermsOfEach::new(simd, origin.x, direction.x, slack);
-        let y = SlabTermsOfEach::new(simd, origin.y, direction.y, slack);
-        let z = SlabTermsOfEach::new(simd, origin.z, direction.z, slack);
+        let axes = SlabTermsOfEach::of_axes(simd, origin, direction, slack);
+        let [x, y, z] = &axes;
         let zero = V::simd_from(simd, 0.0);
         let mut ways = [
             x.reciprocal.simd_lt(zero).to_bitmask() as u32,
@@ -101,7 +98,7 @@ impl<V: Copy> Ways<V> {
             ways[3] = along_x.to_bitmask() as u32;
             ways[4] = along_y.to_bitmask() as u32;
         }
-        Self { x, y, z, ways }
+        Self { axes, ways }
     }
 
     /// A bit for each ray that may meet something in a tree.
@@ -111,9 +108,9 @@ impl<V: Copy> Ways<V> {
         V: Lanes<S>,
     {
         let [low, high] = all.bounds;
-        let x = self.slab(simd, 0, &self.x, low.x, high.x);
-        let y = self.slab(simd, 1, &self.y, low.y, high.y);
-        let z = self.slab(simd, 2, &self.z, low.z, high.z);
+        let x = self.slab(simd, 0, low.x, high.x);
+        let y = self.slab(simd, 1, low.y, high.y);
+        let z = self.slab(simd, 2, low.z, high.z);
         let (entry, exit) = (x.0.max(y.0).max(z.0), x.1.min(y.1).min(z.1));
         // Hits of outlines are spread along rays.
         let ahead = exit.simd_ge(V::simd_from(simd, -all.spread));
@@ -122,23 +119,13 @@ impl<V: Copy> Ways<V> {
 
     /// Where each ray enters the space between two planes across an axis, and where it leaves it.
     #[inline(always)]
-    fn slab<S: Simd>(
-        &self,
-        simd: S,
-        axis: usize,
-        terms: &SlabTermsOfEach<V>,
-        low: f32,
-        high: f32,
-    ) -> (V, V)
+    fn slab<S: Simd>(&self, simd: S, axis: usize, low: f32, high: f32) -> (V, V)
     where
         V: Lanes<S>,
     {
         let down = V::Mask::from_bitmask(simd, self.ways[axis].into());
         let (low, high) = (V::simd_from(simd, low), V::simd_from(simd, high));
-        (
-            down.select(high, low).mul_sub(terms.reciprocal, terms.near),
-            down.select(low, high).mul_sub(terms.reciprocal, terms.far),
-        )
+        self.axes[axis].meet(down.select(high, low), down.select(low, high))
     }
 
     /// Those of some rays that go the same way as the first of them.
@@ -161,9 +148,9 @@ impl<V: Copy> Ways<V> {
         let down = |axis: usize| self.ways[axis] >> any & 1 != 0;
         let rays = V::Mask::from_bitmask(simd, rays.into());
         Bundle {
-            x: Slabs::new(simd, &self.x, rays, start.x, down(0)),
-            y: Slabs::new(simd, &self.y, rays, start.y, down(1)),
-            z: Slabs::new(simd, &self.z, rays, start.z, down(2)),
+            x: Slabs::new(simd, &self.axes[0], rays, start.x, down(0)),
+            y: Slabs::new(simd, &self.axes[1], rays, start.y, down(1)),
+            z: Slabs::new(simd, &self.axes[2], rays, start.z, down(2)),
             axis: fastest(beams.direction.get(any)),
         }
     }
@@ -197,22 +184,24 @@ impl<V: Copy> Slabs<V> {
     where
         V: Lanes<S>,
     {
+        // What is added and taken off again is rounded with what it is added to, 7 u of it in all. Planes'
+        // and each ray's own rounding is within their margins, but others may start much farther away.
+        const APART: f32 = 1.0 / (1 << 20) as f32;
         let &SlabTermsOfEach {
             reciprocal,
             near,
             far,
         } = terms;
         let from_start = reciprocal * V::simd_from(simd, start);
+        let apart = from_start.abs() * V::simd_from(simd, APART);
         Self {
             down,
-            reciprocal,
-            near,
-            far,
+            of_each: *terms,
             start,
             least: least(simd, rays, reciprocal),
             greatest: greatest(simd, rays, reciprocal),
-            nearest: greatest(simd, rays, near - from_start),
-            farthest: least(simd, rays, far - from_start),
+            nearest: greatest(simd, rays, near - from_start + apart),
+            farthest: least(simd, rays, far - from_start - apart),
         }
     }
 
@@ -249,10 +238,7 @@ impl<V: Copy> Slabs<V> {
     {
         let near = V::simd_from(simd, planes[usize::from(self.down)][child]);
         let far = V::simd_from(simd, planes[usize::from(!self.down)][child]);
-        (
-            near.mul_sub(self.reciprocal, self.near),
-            far.mul_sub(self.reciprocal, self.far),
-        )
+        self.of_each.meet(near, far)
     }
 }
 

@@ -183,6 +183,17 @@ impl<'a, M> Parts<'a, M> {
         true
     }
 
+    /// Whether no light weakens in an object, however far it goes there.
+    pub fn is_clear(&self, object: usize) -> bool
+    where
+        M: Finish,
+    {
+        with_object!(self, object, |it| {
+            it.material.transmission().absorption() == Vec3::ZERO
+        });
+        true
+    }
+
     /// Where the ray meets one of the objects; `first` is where they start in the geometry that the
     /// ray's departure counts by.
     pub fn intersect<P: Math>(&self, ray: &Ray, object: usize, first: usize) -> Option<f32> {
@@ -211,8 +222,8 @@ impl<'a, M> Parts<'a, M> {
         (self.planes.first..self.cuboids.first).contains(&object)
     }
 
-    /// Whether a ray from this side of an object surely does not meet it again: it is flat, or it curves
-    /// away everywhere.
+    /// Whether a ray from this side of an object surely does not meet it again, as its kernel has it: the
+    /// object is flat, it curves away, or its other surface is not visible from there.
     #[inline(always)]
     pub fn is_left_for_good(&self, object: usize, side: Side) -> bool {
         let outside = side == Side::Outside;
@@ -244,8 +255,8 @@ impl<'a, M> Parts<'a, M> {
         }
     }
 
-    /// As [`absorbs`](Self::absorbs), of an object whose surface the ray crosses once, and which takes nothing
-    /// of the light in it.
+    /// As [`absorbs`](Self::absorbs), of an object whose surface the ray crosses once, and in which light does
+    /// not weaken: of solids, only such are in blocks.
     #[inline]
     pub fn absorbs_once<L: Passage>(&self, object: usize, light: &mut L) -> bool
     where

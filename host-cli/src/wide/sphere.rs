@@ -52,6 +52,18 @@ impl<const N: usize> Spheres<N> {
     }
 }
 
+/// Where rays that start on a sphere are at its other side, as `Sphere::intersect` says; behind the start of
+/// those that go outwards.
+#[inline(always)]
+pub fn across<S: Simd, V: Lanes<S>>(
+    simd: S,
+    center: Vectors<V>,
+    origin: Vectors<V>,
+    direction: Vectors<V>,
+) -> V {
+    (center - origin).dot(direction) * V::simd_from(simd, 2.0)
+}
+
 /// As `Sphere::intersect`, a sphere and a ray a lane.
 #[inline(always)]
 pub fn meet<S: Simd, V: Lanes<S>, const HOLLOW: bool>(
