@@ -116,11 +116,10 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
 ) where
     Tree<N>: Vector<S, Lanes = V>,
 {
-    let mut group =
-        Group::<Light, N>::new(Job::dark(geometry), tree, ENOUGH_OF_ANY * N as u32 / 16);
+    let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
     for (first, rays) in (0..).step_by(N).zip(rays.chunks(N)) {
         let active = group.beams.take(simd, rays, geometry.len());
-        let hit = group.nearest(simd, active, false);
+        let hit = group.nearest(simd, active);
         if hit == 0 {
             continue;
         }
@@ -179,24 +178,22 @@ fn each_transmittance<S: Simd, V: Lanes<S>, const N: usize>(
 ) where
     Tree<N>: Vector<S, Lanes = V>,
 {
-    let mut group =
-        Group::<Light, N>::new(Job::dark(geometry), tree, ENOUGH_OF_ANY * N as u32 / 16);
+    let mut group = Group::<Light, N>::new(Job::dark(geometry), tree);
     let mut occluder = u32::MAX;
     for (rays, to) in rays.chunks(N).zip(passed.chunks_mut(N)) {
         let active = group.shadows.take(simd, rays, geometry.len());
         let mut passed = [0.0; N];
-        group.cast_shadows(simd, active, false, &mut occluder, &mut passed);
+        group.cast_shadows(simd, active, &mut occluder, &mut passed);
         to.copy_from_slice(&passed[..to.len()]);
     }
 }
 
 impl Wide<'_, Material> {
-    /// Whether as many rays go down a hierarchy as a group; `neighbours` says that they are of pixels side
-    /// by side.
+    /// Whether these rays go down a hierarchy together.
     #[inline(always)]
-    fn casts_as_group(&self, rays: u32, neighbours: bool) -> bool {
+    fn casts_as_group(&self, rays: u32) -> bool {
         let boxes = matches!(self.search, Search::SolidBoxes | Search::Boxes);
-        boxes && rays.count_ones() >= if neighbours { 2 } else { MANY }
+        boxes && rays.count_ones() > 1
     }
 }
 
@@ -232,7 +229,7 @@ fn groups<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
     let step = Vectors::<V>::splat(simd, camera.right / view.width as f32);
     let (width, across) = (columns.len(), N / HEIGHT);
     let (half, one) = (V::simd_from(simd, 0.5), V::simd_from(simd, 1.0));
-    let mut group = Group::new(*job, tree, ENOUGH_OF_PIXELS);
+    let mut group = Group::new(*job, tree);
     for top in rows.clone().step_by(HEIGHT) {
         let height = HEIGHT.min((rows.end - top) as usize);
         let mut start = Rows::<N>::ZERO;
@@ -268,15 +265,6 @@ fn groups<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
         }
     }
 }
-
-/// [`Packet::enough`] of what is seen in pixels side by side: also in mirrors it is near each other.
-const ENOUGH_OF_PIXELS: u32 = 6;
-
-/// [`Packet::enough`] of 16 rays of which nothing is known.
-const ENOUGH_OF_ANY: u32 = 12;
-
-/// From how many rays on those that are not of neighbours are cast as a group.
-const MANY: u32 = 4;
 
 /// Rows of pixels in a group.
 pub const HEIGHT: usize = 4;
@@ -320,8 +308,6 @@ struct Hits<'a, const N: usize> {
 struct Group<'a, L, const N: usize> {
     job: Job<'a, L>,
     tree: &'a Tree<N>,
-    /// As [`Packet::enough`].
-    enough: u32,
     /// Of each lane, what is being traced.
     beams: Beams<N>,
     throughput: [f32; N],
@@ -340,11 +326,10 @@ struct Group<'a, L, const N: usize> {
 }
 
 impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
-    fn new(job: Job<'a, L>, tree: &'a Tree<N>, enough: u32) -> Self {
+    fn new(job: Job<'a, L>, tree: &'a Tree<N>) -> Self {
         Self {
             job,
             tree,
-            enough,
             beams: Beams::NONE,
             throughput: [1.0; N],
             depth: [1; N],
@@ -388,7 +373,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         self.radiance = Rows::ZERO;
         let mut first = true;
         while active != 0 {
-            let hit = self.nearest(simd, active, first);
+            let hit = self.nearest(simd, active);
             let missed = active & !hit;
             if missed != 0 {
                 let missed = V::Mask::from_bitmask(simd, missed.into());
@@ -429,7 +414,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
 
     /// Casts the lanes' rays; says which hit anything.
     #[inline(always)]
-    fn nearest<S: Simd, V: Lanes<S>>(&mut self, simd: S, active: u32, neighbours: bool) -> u32
+    fn nearest<S: Simd, V: Lanes<S>>(&mut self, simd: S, active: u32) -> u32
     where
         Tree<N>: Vector<S, Lanes = V>,
     {
@@ -470,7 +455,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             return hit;
         }
         let mut nearest = self.beams.end.map(Nearest::before);
-        let as_group = active & !regular == 0 && geometry.casts_as_group(active, neighbours);
+        let as_group = active & !regular == 0 && geometry.casts_as_group(active);
         if as_group {
             let mut limits = self.beams.end;
             let departures = geometry.departures(simd, &self.beams, active);
@@ -486,7 +471,6 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let packet = Packet {
                 beams: &self.beams,
                 active,
-                enough: self.enough,
             };
             let mut visit = NearestOfEach(&mut nearest);
             self.tree
@@ -619,13 +603,13 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         }
     }
 
-    /// As the tracer's `direct`, for the lanes that hit something.
+    /// As the tracer's `direct`, for the lanes that hit something; `seen` says that it is what the eye sees.
     #[inline(always)]
     fn direct<S: Simd, V: Lanes<S>>(
         &mut self,
         simd: S,
         hit: u32,
-        neighbours: bool,
+        seen: bool,
         counters: &mut Counters,
     ) where
         Tree<N>: Vector<S, Lanes = V>,
@@ -644,7 +628,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let share = V::from_slice(simd, &self.hits.ambient) * throughput;
         let mut light = color * Vectors::splat(simd, job.ambient) * share;
         for (source, known) in job.lights.iter().zip(&mut occluders) {
-            let occluder = &mut known[usize::from(!neighbours)];
+            let occluder = &mut known[usize::from(!seen)];
             let hits = &self.hits;
             let position = Vectors::splat(simd, source.position());
             let to_light = position - hits.point.load(simd);
@@ -679,7 +663,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 distance.store_slice(&mut self.shadows.end);
                 self.shadows.left = hits.object;
                 self.shadows.inward = !hits.front;
-                self.cast_shadows(simd, lit, neighbours, occluder, &mut passed);
+                self.cast_shadows(simd, lit, occluder, &mut passed);
             }
             let hits = &self.hits;
             let passed = V::from_slice(simd, &passed);
@@ -712,7 +696,6 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         &mut self,
         simd: S,
         mut lit: u32,
-        neighbours: bool,
         occluder: &mut u32,
         passed: &mut [f32; N],
     ) where
@@ -759,7 +742,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let mut light = [Transmittance::default(); N];
         // What rays cross is counted there, not how far they go in it.
         let countable = lit & !regular == 0 && !geometry.absorbs;
-        if countable && geometry.casts_as_group(lit, neighbours) {
+        if countable && geometry.casts_as_group(lit) {
             let (mut limits, mut dark) = (beams.end, 0_u32);
             let departures = geometry.departures(simd, beams, lit);
             for lane in Set(departures.across | departures.others) {
@@ -783,11 +766,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                     parts.absorbs_met::<Exact, _>(ray, object as usize, 0, light)
                 },
             };
-            let packet = Packet {
-                beams,
-                active: lit,
-                enough: self.enough,
-            };
+            let packet = Packet { beams, active: lit };
             self.tree
                 .visit_rays(simd, parts, false, &packet, &mut limits, &mut visit);
             for lane in Set(lit) {

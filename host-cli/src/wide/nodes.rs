@@ -7,6 +7,7 @@ use super::blocks::Kind;
 use super::bounds::{Bounds, FAR, ROUNDING};
 use super::lanes::{Lanes, Vectors};
 use super::rays::fastest;
+use super::tree::Search;
 
 /// `N` boxes and what is in them: 32 bytes a child.
 #[derive(Clone, Debug)]
@@ -100,9 +101,9 @@ impl<const N: usize> Node<N> {
     /// A distance before which the ray meets nothing in each box, and a bit for each box in which it may
     /// meet something up to `limit`.
     ///
-    /// What is `SOLID` is met where its box is; hits of outlines are [spread](super::bounds).
+    /// As `SEARCH` says, all is met where its box is, or hits of outlines are [spread](super::bounds).
     #[inline(always)]
-    pub fn meet<S: Simd, V: Lanes<S>, const SOLID: bool>(
+    pub fn meet<S: Simd, V: Lanes<S>, const SEARCH: u8>(
         &self,
         simd: S,
         terms: &NodeTerms,
@@ -114,7 +115,7 @@ impl<const N: usize> Node<N> {
         let z = terms.z.meet(simd, z);
         let spread = || V::from_slice(simd, &self.spread);
         let limit = V::simd_from(simd, limit);
-        met::<S, V, SOLID>(simd, [x, y, z], terms.axis, spread, limit)
+        met::<S, V, SEARCH>(simd, [x, y, z], terms.axis, spread, limit)
     }
 
     /// The box round all of its boxes.
@@ -142,7 +143,7 @@ impl<const N: usize> Node<N> {
 
 /// What [`Node::meet`] returns, from where each axis' planes are entered and left.
 #[inline(always)]
-pub fn met<S: Simd, V: Lanes<S>, const SOLID: bool>(
+pub fn met<S: Simd, V: Lanes<S>, const SEARCH: u8>(
     simd: S,
     [x, y, z]: [(V, V); 3],
     axis: usize,
@@ -152,7 +153,7 @@ pub fn met<S: Simd, V: Lanes<S>, const SOLID: bool>(
     let zero = V::simd_from(simd, 0.0);
     // In pairs: what is not needed at once does not wait for each other.
     let (entry, exit) = (x.0.max(y.0), x.1.min(y.1));
-    if SOLID {
+    if SEARCH == Search::SolidBoxes as u8 {
         let (entry, exit) = (entry.max(z.0.max(zero)), exit.min(z.1.min(limit)));
         return (entry, entry.simd_le(exit).to_bitmask() as u32);
     }
@@ -219,16 +220,10 @@ pub struct NodeTermsOfEach<const N: usize> {
 }
 
 impl<const N: usize> NodeTermsOfEach<N> {
-    /// As [`NodeTerms::new`].
+    /// From the terms of each axis.
     #[inline(always)]
-    pub fn new<S: Simd, V: Lanes<S>>(
-        simd: S,
-        origin: Vectors<V>,
-        direction: Vectors<V>,
-        slack: f32,
-    ) -> Self {
+    pub fn new<S: Simd, V: Lanes<S>>(terms: &[SlabTermsOfEach<V>; 3]) -> Self {
         let mut axes = [[[0.0; N]; 3]; 3];
-        let terms = SlabTermsOfEach::of_axes(simd, origin, direction, slack);
         for (rows, terms) in axes.iter_mut().zip(terms) {
             terms.reciprocal.store_slice(&mut rows[0]);
             terms.near.store_slice(&mut rows[1]);

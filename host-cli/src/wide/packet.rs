@@ -8,11 +8,13 @@
 //!
 //! Rays go the same way where they go in the same direction of each axis and, where there are outlines, are
 //! closest to the same one. Of rays that go several ways, enough that go the same go together. The rest go
-//! one after the other, and share only how their terms are computed.
+//! one after the other, and share only how their terms are computed; and so do those of a group from
+//! where they part: C. Benthin, I. Wald, S. Woop, M. Ernst, W. R. Mark, "Combining Single and Packet-Ray
+//! Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", IEEE TVCG 18 (9), 2012.
 
 use core::hint::black_box;
 
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdFrom, SimdMask, f32x8};
 use heapless::Vec as Stack;
 use whitted::Ray;
 use whitted::math::Transmittance;
@@ -31,8 +33,6 @@ pub struct Packet<'a, const N: usize> {
     pub beams: &'a Beams<N>,
     /// Which: a bit a ray, at least one.
     pub active: u32,
-    /// So many rays that go the same way go together; fewer go one by one, unless they are all there are.
-    pub enough: u32,
 }
 
 /// What is done with what rays of a packet meet.
@@ -246,7 +246,7 @@ impl<V: Copy> Bundle<V> {
     /// A distance before which no ray meets anything in each of a node's boxes, and a bit for each box
     /// in which one may meet something up to `limit`.
     #[inline(always)]
-    fn meet_all<S: Simd, const N: usize, const SOLID: bool>(
+    fn meet_all<S: Simd, const N: usize, const SEARCH: u8>(
         &self,
         simd: S,
         node: &Node<N>,
@@ -261,12 +261,12 @@ impl<V: Copy> Bundle<V> {
         let y = self.y.meet_all(simd, y);
         let z = self.z.meet_all(simd, z);
         let spread = || V::from_slice(simd, node.spread());
-        met::<S, V, SOLID>(simd, [x, y, z], self.axis, spread, limit)
+        met::<S, V, SEARCH>(simd, [x, y, z], self.axis, spread, limit)
     }
 
     /// A bit for each ray that may meet something in one of a node's boxes before its limit.
     #[inline(always)]
-    fn meet_each<S: Simd, const N: usize, const SOLID: bool>(
+    fn meet_each<S: Simd, const N: usize, const SEARCH: u8>(
         &self,
         simd: S,
         node: &Node<N>,
@@ -281,7 +281,7 @@ impl<V: Copy> Bundle<V> {
         let y = self.y.meet_each(simd, y, child);
         let z = self.z.meet_each(simd, z, child);
         let spread = || V::simd_from(simd, node.spread()[child]);
-        met::<S, V, SOLID>(simd, [x, y, z], self.axis, spread, limits).1
+        met::<S, V, SEARCH>(simd, [x, y, z], self.axis, spread, limits).1
     }
 }
 
@@ -308,26 +308,13 @@ impl<const N: usize> Tree<N> {
                 *limit = f32::NEG_INFINITY;
             }
         }
-        macro_rules! vectorized {
-            ($call:expr) => {
-                simd.vectorize(
-                    #[inline(always)]
-                    || $call,
-                )
-            };
-        }
         macro_rules! cast {
             ($search:ident) => {{
                 const SEARCH: u8 = Search::$search as u8;
-                const SOLID: bool = SEARCH == Search::SolidBoxes as u8;
-                let alone = vectorized!(
-                    self.in_groups::<S, M, SOLID>(simd, parts, ordered, packet, limits, visit)
-                );
-                if alone != 0 && ordered {
-                    vectorized!(self.each::<S, SEARCH, true>(simd, packet, alone, limits, visit));
-                } else if alone != 0 {
-                    vectorized!(self.each::<S, SEARCH, false>(simd, packet, alone, limits, visit));
-                }
+                simd.vectorize(
+                    #[inline(always)]
+                    || self.in_groups::<S, M, SEARCH>(simd, parts, ordered, packet, limits, visit),
+                )
             }};
         }
         if self.is_solid() {
@@ -337,46 +324,77 @@ impl<const N: usize> Tree<N> {
         }
     }
 
-    /// One ray after the other down the hierarchy: they need have nothing in common.
+    /// One ray after the other from a node down the hierarchy: they need have nothing in common.
     #[inline(always)]
-    fn each<S: Simd, const SEARCH: u8, const ORDERED: bool>(
+    #[allow(clippy::too_many_arguments)]
+    fn each<S: Simd, const SEARCH: u8>(
         &self,
         simd: S,
+        node: usize,
+        ordered: bool,
         packet: &Packet<'_, N>,
         rays: u32,
-        limits: &[f32; N],
+        boxes: &NodeTermsOfEach<N>,
+        limits: &mut [f32; N],
+        visit: &mut impl PacketVisit,
+    ) where
+        Self: Vector<S>,
+    {
+        macro_rules! cast {
+            ($ordered:literal) => {
+                // A function of its own, lest the way down is compiled into each that comes here.
+                simd.vectorize(
+                    #[inline(always)]
+                    || {
+                        self.each_from::<S, SEARCH, $ordered>(
+                            simd, node, packet, rays, boxes, limits, visit,
+                        )
+                    },
+                )
+            };
+        }
+        if ordered {
+            cast!(true);
+        } else {
+            cast!(false);
+        }
+    }
+
+    /// As `each`.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn each_from<S: Simd, const SEARCH: u8, const ORDERED: bool>(
+        &self,
+        simd: S,
+        node: usize,
+        packet: &Packet<'_, N>,
+        rays: u32,
+        boxes: &NodeTermsOfEach<N>,
+        limits: &mut [f32; N],
         visit: &mut impl PacketVisit,
     ) where
         Self: Vector<S>,
     {
         let beams = packet.beams;
-        let (origin, direction) = (beams.origin.load(simd), beams.direction.load(simd));
-        let boxes = NodeTermsOfEach::<N>::new::<S, <Self as Vector<S>>::Lanes>(
-            simd,
-            origin,
-            direction,
-            self.slack(),
-        );
-        // One by one from memory.
-        let boxes = black_box(&boxes);
         for lane in Set(rays) {
             let ray = beams.ray(lane);
             let terms = RayTerms::new(&ray, self.needs());
             let boxes = boxes.get(lane, ray.direction);
+            let limit = limits[lane];
             let visit = OneOfEach {
                 ray: lane,
                 left: beams.left[lane],
                 ordered: ORDERED,
+                limit: &mut limits[lane],
                 visit,
             };
-            self.descend::<S, SEARCH, ORDERED>(simd, &terms, &boxes, limits[lane], visit);
+            self.descend::<S, SEARCH, ORDERED>(simd, node, &terms, &boxes, limit, visit);
         }
     }
 
-    /// Rays that go the same way together down the hierarchy. Nothing is done with those that go their own
-    /// way, a bit a ray.
+    /// Rays that go the same way together down the hierarchy, the others one by one.
     #[inline(always)]
-    fn in_groups<S: Simd, M, const SOLID: bool>(
+    fn in_groups<S: Simd, M, const SEARCH: u8>(
         &self,
         simd: S,
         parts: &Parts<'_, M>,
@@ -384,48 +402,57 @@ impl<const N: usize> Tree<N> {
         packet: &Packet<'_, N>,
         limits: &mut [f32; N],
         visit: &mut impl PacketVisit,
-    ) -> u32
-    where
+    ) where
         Self: Vector<S>,
     {
         type Of<S, T> = <T as Vector<S>>::Lanes;
         let beams = packet.beams;
-        let ways = Ways::<Of<S, Self>>::new(simd, beams, self.slack(), SOLID);
+        let ways = Ways::<Of<S, Self>>::new(
+            simd,
+            beams,
+            self.slack(),
+            SEARCH == Search::SolidBoxes as u8,
+        );
         let active = packet.active & ways.meet(simd, self.extent());
         if active == 0 {
-            return 0;
+            return;
         }
+        // Of single rays, from memory.
+        let boxes = NodeTermsOfEach::new(&ways.axes);
+        let boxes = black_box(&boxes);
         let mut groups = Stack::<u32, N>::new();
         let (mut rest, mut alone) = (active, 0);
         while rest != 0 {
             let rays = ways.alike(rest);
             rest &= !rays;
-            if rays == active || rays.count_ones() >= packet.enough {
+            if rays == active || rays.count_ones() as usize >= N / 3 {
                 let fits = groups.push(rays).is_ok();
                 debug_assert!(fits, "each has a ray");
             } else {
                 alone |= rays;
             }
         }
+        if alone != 0 {
+            self.each::<S, SEARCH>(simd, 0, ordered, packet, alone, boxes, limits, visit);
+        }
         if groups.is_empty() {
-            return alone;
+            return;
         }
         let terms = Terms::<Of<S, Self>, _>::new(simd, beams, self.needs());
         // In memory, as the terms of a single ray.
         let terms = black_box(&terms);
         for &rays in &groups {
             let bundle = ways.bundle(simd, beams, rays);
-            self.down::<S, M, SOLID>(
-                simd, parts, ordered, packet, rays, &bundle, terms, limits, visit,
+            self.down::<S, M, SEARCH>(
+                simd, parts, ordered, packet, rays, &bundle, boxes, terms, limits, visit,
             );
         }
-        alone
     }
 
     /// Some rays together down the hierarchy.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    fn down<S: Simd, M, const SOLID: bool>(
+    fn down<S: Simd, M, const SEARCH: u8>(
         &self,
         simd: S,
         parts: &Parts<'_, M>,
@@ -433,6 +460,7 @@ impl<const N: usize> Tree<N> {
         packet: &Packet<'_, N>,
         rays: u32,
         bundle: &Bundle<<Self as Vector<S>>::Lanes>,
+        boxes: &NodeTermsOfEach<N>,
         terms: &TermsOf<S, <Self as Vector<S>>::Lanes>,
         limits: &mut [f32; N],
         visit: &mut impl PacketVisit,
@@ -449,14 +477,22 @@ impl<const N: usize> Tree<N> {
                 Content::Node(index) => {
                     let node = self.node(index);
                     let each = Of::<S, Self>::from_slice(simd, limits);
-                    let (entry, mut boxes) = bundle.meet_all::<S, N, SOLID>(simd, node, farthest);
+                    let (entry, mut near) = bundle.meet_all::<S, N, SEARCH>(simd, node, farthest);
+                    if near.count_ones() > rays.count_ones() {
+                        // Too few rays for as many boxes as lie near them all.
+                        self.each::<S, SEARCH>(
+                            simd, index, ordered, packet, rays, boxes, limits, visit,
+                        );
+                        farthest = greatest(simd, these, Of::<S, Self>::from_slice(simd, limits));
+                        near = 0;
+                    }
                     let mut entries = [0.0; N];
                     entry.store_slice(&mut entries);
                     let first = waiting.len();
-                    while boxes != 0 {
-                        let child = boxes.trailing_zeros() as usize % N;
-                        boxes &= boxes - 1;
-                        let met = rays & bundle.meet_each::<S, N, SOLID>(simd, node, child, each);
+                    while near != 0 {
+                        let child = near.trailing_zeros() as usize % N;
+                        near &= near - 1;
+                        let met = rays & bundle.meet_each::<S, N, SEARCH>(simd, node, child, each);
                         if met != 0 {
                             let mut place = (entries[child], node.children[child], met);
                             // The nearest is next.
@@ -493,14 +529,17 @@ impl<const N: usize> Tree<N> {
                     farthest = greatest(simd, these, Of::<S, Self>::from_slice(simd, limits));
                 }
             }
+            let each = Of::<S, Self>::from_slice(simd, limits);
             loop {
-                match waiting.pop() {
-                    None => return,
-                    Some((entry, child, met)) if entry <= farthest => {
-                        (next, rays) = (child, met);
-                        break;
-                    }
-                    Some(_) => {}
+                let Some((entry, child, met)) = waiting.pop() else {
+                    return;
+                };
+                // Limits have fallen since.
+                let entry = Of::<S, Self>::simd_from(simd, entry);
+                rays = met & each.simd_ge(entry).to_bitmask() as u32;
+                if rays != 0 {
+                    next = child;
+                    break;
                 }
             }
         }
@@ -571,13 +610,15 @@ impl<const N: usize> Tree<N> {
             let found: Found<'_, f32x8<S>, LEAF> =
                 self.all_blocks()
                     .meet(simd, kind, index, terms, limits[ray]);
+            let limit = limits[ray];
             let mut one = OneOfEach {
                 ray,
                 left: packet.beams.left[ray],
                 ordered,
+                limit: &mut limits[ray],
                 visit: &mut *visit,
             };
-            limits[ray] = one.visit(found, limits[ray]).unwrap_or(f32::NEG_INFINITY);
+            one.visit(found, limit);
         }
     }
 }
@@ -588,6 +629,8 @@ struct OneOfEach<'a, P> {
     left: u32,
     /// Whether its limit falls.
     ordered: bool,
+    /// Becomes what `visit` returned last.
+    limit: &'a mut f32,
     visit: &'a mut P,
 }
 
@@ -614,6 +657,7 @@ impl<P: PacketVisit> Visit for OneOfEach<'_, P> {
             met &= met - 1;
             let opaque = found.labels().opaque >> lane & 1 != 0;
             limit = (self.visit).visit(self.ray, t[lane], found.labels().objects[lane], opaque);
+            *self.limit = limit;
             if limit == f32::NEG_INFINITY {
                 return None;
             }

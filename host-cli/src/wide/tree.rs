@@ -330,14 +330,15 @@ impl<const N: usize> Tree<N> {
             return false;
         }
         let boxes = NodeTerms::new(ray, self.slack);
-        self.descend::<S, SEARCH, ORDERED>(simd, &terms, &boxes, limit, visit)
+        self.descend::<S, SEARCH, ORDERED>(simd, 0, &terms, &boxes, limit, visit)
     }
 
-    /// As `visit`, down the hierarchy.
+    /// As `visit`, from a node down the hierarchy.
     #[inline(always)]
     pub fn descend<S: Simd, const SEARCH: u8, const ORDERED: bool>(
         &self,
         simd: S,
+        node: usize,
         terms: &RayTerms<'_>,
         boxes: &NodeTerms,
         limit: f32,
@@ -350,9 +351,9 @@ impl<const N: usize> Tree<N> {
         // the registers of the boxes' terms.
         let terms = black_box(terms);
         if ORDERED {
-            self.descend_nearest::<S, SEARCH>(simd, terms, boxes, limit, visit)
+            self.descend_nearest::<S, SEARCH>(simd, node, terms, boxes, limit, visit)
         } else {
-            self.descend_any::<S, SEARCH>(simd, terms, boxes, limit, visit)
+            self.descend_any::<S, SEARCH>(simd, node, terms, boxes, limit, visit)
         }
     }
 
@@ -368,12 +369,7 @@ impl<const N: usize> Tree<N> {
     where
         Self: Vector<S>,
     {
-        let node = &self.nodes[node];
-        if SEARCH == Search::SolidBoxes as u8 {
-            node.meet::<S, _, true>(simd, boxes, limit)
-        } else {
-            node.meet::<S, _, false>(simd, boxes, limit)
-        }
+        self.nodes[node].meet::<S, _, SEARCH>(simd, boxes, limit)
     }
 
     /// As `descend`, where limits do not fall.
@@ -381,6 +377,7 @@ impl<const N: usize> Tree<N> {
     fn descend_any<S: Simd, const SEARCH: u8>(
         &self,
         simd: S,
+        mut node: usize,
         terms: &RayTerms<'_>,
         boxes: &NodeTerms,
         limit: f32,
@@ -391,7 +388,7 @@ impl<const N: usize> Tree<N> {
     {
         // Nodes on the way down, and a bit for each of their boxes that is still to be looked into.
         let mut waiting = Stack::<(usize, u32), WAITING>::new();
-        let (mut node, mut rest) = (0, self.meet::<S, SEARCH>(simd, 0, boxes, limit).1);
+        let (_, mut rest) = self.meet::<S, SEARCH>(simd, node, boxes, limit);
         loop {
             if rest == 0 {
                 match waiting.pop() {
@@ -428,6 +425,7 @@ impl<const N: usize> Tree<N> {
     fn descend_nearest<S: Simd, const SEARCH: u8>(
         &self,
         simd: S,
+        node: usize,
         terms: &RayTerms<'_>,
         boxes: &NodeTerms,
         mut limit: f32,
@@ -437,7 +435,7 @@ impl<const N: usize> Tree<N> {
         Self: Vector<S>,
     {
         let mut waiting = Stack::<i64, WAITING>::new();
-        let mut next = Child::node(0);
+        let mut next = Child::node(node);
         loop {
             match next.content() {
                 Content::Node(index) => {
