@@ -603,13 +603,13 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         }
     }
 
-    /// As the tracer's `direct`, for the lanes that hit something; `seen` says that it is what the eye sees.
+    /// As the tracer's `direct`, for the lanes that hit something; `by_eye` says that the eye sees it.
     #[inline(always)]
     fn direct<S: Simd, V: Lanes<S>>(
         &mut self,
         simd: S,
         hit: u32,
-        seen: bool,
+        by_eye: bool,
         counters: &mut Counters,
     ) where
         Tree<N>: Vector<S, Lanes = V>,
@@ -628,7 +628,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let share = V::from_slice(simd, &self.hits.ambient) * throughput;
         let mut light = color * Vectors::splat(simd, job.ambient) * share;
         for (source, known) in job.lights.iter().zip(&mut occluders) {
-            let occluder = &mut known[usize::from(!seen)];
+            let occluder = &mut known[usize::from(!by_eye)];
             let hits = &self.hits;
             let position = Vectors::splat(simd, source.position());
             let to_light = position - hits.point.load(simd);
