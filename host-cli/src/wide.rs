@@ -110,7 +110,7 @@ pub struct Wide<'a, M> {
     has_cuboids: bool,
     /// Whether an object may be met again by a ray that leaves it outwards.
     returns_outside: bool,
-    /// Whether light weakens in any object.
+    /// Whether light may weaken in any object: all in which it does are loose.
     absorbs: bool,
     /// Where boxes and objects take more memory than is near, the box round all of them.
     far: Option<[Vec3; 2]>,

@@ -766,6 +766,10 @@ fn rays_across_the_lanes_are_answered_as_the_kernels_do() {
         };
         let [met, dimmed] = compare_together(&scene, usize::MAX, 100, &mut random, wanted);
         assert!(met > 400 && dimmed > 40, "{style:?}: {met}, {dimmed}");
+        // Where light weakens on its way.
+        scene.planes[0].material = &FOG;
+        let [met, dimmed] = compare_together(&scene, usize::MAX, 50, &mut random, wanted);
+        assert!(met > 200 && dimmed > 40, "{style:?}: {met}, {dimmed}");
     }
 }
 

@@ -707,8 +707,10 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let (origin, direction) = (beams.origin.load::<S, V>(simd), beams.direction.load(simd));
         let regular =
             across::regular(simd, origin, direction, self.tree.needs()).to_bitmask() as u32;
+        // Of rays together is counted what they cross, not how far they go in it.
+        let countable = lit & !regular == 0 && !geometry.absorbs;
         if let Some(few) = &geometry.few
-            && lit & !regular == 0
+            && countable
         {
             let returning = geometry.returning(beams);
             if !(self.near).find::<S, V, _, N>(simd, few, beams, lit, returning) {
@@ -740,8 +742,6 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             }
         }
         let mut light = [Transmittance::default(); N];
-        // What rays cross is counted there, not how far they go in it.
-        let countable = lit & !regular == 0 && !geometry.absorbs;
         if countable && geometry.casts_as_group(lit) {
             let (mut limits, mut dark) = (beams.end, 0_u32);
             let departures = geometry.departures(simd, beams, lit);

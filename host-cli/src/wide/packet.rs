@@ -35,6 +35,9 @@ pub struct Packet<'a, const N: usize> {
     pub active: u32,
 }
 
+/// So many rays that go the same way go together; fewer go one by one, unless they are all there are.
+const ENOUGH: u32 = 5;
+
 /// What is done with what rays of a packet meet.
 pub trait PacketVisit {
     /// Before which distance more is asked for, of this ray: minus infinity for no more.
@@ -342,7 +345,7 @@ impl<const N: usize> Tree<N> {
     {
         macro_rules! cast {
             ($ordered:literal) => {
-                // A function of its own, lest the way down is compiled into each that comes here.
+                // With AVX a function of its own, lest the way down is compiled into all that come here.
                 simd.vectorize(
                     #[inline(always)]
                     || {
@@ -425,7 +428,7 @@ impl<const N: usize> Tree<N> {
         while rest != 0 {
             let rays = ways.alike(rest);
             rest &= !rays;
-            if rays == active || rays.count_ones() as usize >= N / 3 {
+            if rays == active || rays.count_ones() >= ENOUGH {
                 let fits = groups.push(rays).is_ok();
                 debug_assert!(fits, "each has a ray");
             } else {
@@ -476,35 +479,34 @@ impl<const N: usize> Tree<N> {
             match next.content() {
                 Content::Node(index) => {
                     let node = self.node(index);
-                    let each = Of::<S, Self>::from_slice(simd, limits);
-                    let (entry, mut near) = bundle.meet_all::<S, N, SEARCH>(simd, node, farthest);
+                    let (entry, near) = bundle.meet_all::<S, N, SEARCH>(simd, node, farthest);
                     if near.count_ones() > rays.count_ones() {
-                        // Too few rays for as many boxes as lie near them all.
+                        // What the bundle may meet, with rays that are elsewhere, is too much for these.
                         self.each::<S, SEARCH>(
                             simd, index, ordered, packet, rays, boxes, limits, visit,
                         );
                         farthest = greatest(simd, these, Of::<S, Self>::from_slice(simd, limits));
-                        near = 0;
-                    }
-                    let mut entries = [0.0; N];
-                    entry.store_slice(&mut entries);
-                    let first = waiting.len();
-                    while near != 0 {
-                        let child = near.trailing_zeros() as usize % N;
-                        near &= near - 1;
-                        let met = rays & bundle.meet_each::<S, N, SEARCH>(simd, node, child, each);
-                        if met != 0 {
-                            let mut place = (entries[child], node.children[child], met);
-                            // The nearest is next.
-                            if ordered {
-                                for other in &mut waiting[first..] {
-                                    if other.0 < place.0 {
-                                        core::mem::swap(other, &mut place);
+                    } else {
+                        let ends = Of::<S, Self>::from_slice(simd, limits);
+                        let mut entries = [0.0; N];
+                        entry.store_slice(&mut entries);
+                        let first = waiting.len();
+                        for child in Set(near) {
+                            let child = child % N;
+                            let met = bundle.meet_each::<S, N, SEARCH>(simd, node, child, ends);
+                            if met & rays != 0 {
+                                let mut place = (entries[child], node.children[child], met & rays);
+                                // The nearest is next.
+                                if ordered {
+                                    for other in &mut waiting[first..] {
+                                        if other.0 < place.0 {
+                                            core::mem::swap(other, &mut place);
+                                        }
                                     }
                                 }
+                                let fits = waiting.push(place).is_ok();
+                                debug_assert!(fits, "the tree was built for fewer");
                             }
-                            let fits = waiting.push(place).is_ok();
-                            debug_assert!(fits, "the tree was built for fewer");
                         }
                     }
                 }
@@ -529,14 +531,14 @@ impl<const N: usize> Tree<N> {
                     farthest = greatest(simd, these, Of::<S, Self>::from_slice(simd, limits));
                 }
             }
-            let each = Of::<S, Self>::from_slice(simd, limits);
+            let ends = Of::<S, Self>::from_slice(simd, limits);
             loop {
                 let Some((entry, child, met)) = waiting.pop() else {
                     return;
                 };
                 // Limits have fallen since.
                 let entry = Of::<S, Self>::simd_from(simd, entry);
-                rays = met & each.simd_ge(entry).to_bitmask() as u32;
+                rays = met & ends.simd_ge(entry).to_bitmask() as u32;
                 if rays != 0 {
                     next = child;
                     break;
@@ -595,15 +597,14 @@ impl<const N: usize> Tree<N> {
         index: usize,
         ordered: bool,
         packet: &Packet<'_, N>,
-        mut rays: u32,
+        rays: u32,
         limits: &mut [f32; N],
         visit: &mut impl PacketVisit,
     ) where
         Self: Vector<S>,
     {
-        while rays != 0 {
-            let ray = rays.trailing_zeros() as usize % N;
-            rays &= rays - 1;
+        for ray in Set(rays) {
+            let ray = ray % N;
             let cast = packet.beams.ray(ray);
             let terms = RayTerms::new(&cast, self.needs());
             let terms = black_box(&terms);

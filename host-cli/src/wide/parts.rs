@@ -256,7 +256,7 @@ impl<'a, M> Parts<'a, M> {
     }
 
     /// As [`absorbs`](Self::absorbs), of an object whose surface the ray crosses once, and in which light does
-    /// not weaken: of solids, only such are in blocks.
+    /// not weaken.
     #[inline]
     pub fn absorbs_once<L: Passage>(&self, object: usize, light: &mut L) -> bool
     where

@@ -357,21 +357,6 @@ impl<const N: usize> Tree<N> {
         }
     }
 
-    /// As [`Node::meet`].
-    #[inline(always)]
-    fn meet<S: Simd, const SEARCH: u8>(
-        &self,
-        simd: S,
-        node: usize,
-        boxes: &NodeTerms,
-        limit: f32,
-    ) -> (Many<S, Self>, u32)
-    where
-        Self: Vector<S>,
-    {
-        self.nodes[node].meet::<S, _, SEARCH>(simd, boxes, limit)
-    }
-
     /// As `descend`, where limits do not fall.
     #[inline(always)]
     fn descend_any<S: Simd, const SEARCH: u8>(
@@ -388,7 +373,8 @@ impl<const N: usize> Tree<N> {
     {
         // Nodes on the way down, and a bit for each of their boxes that is still to be looked into.
         let mut waiting = Stack::<(usize, u32), WAITING>::new();
-        let (_, mut rest) = self.meet::<S, SEARCH>(simd, node, boxes, limit);
+        let start = &self.nodes[node];
+        let (_, mut rest) = start.meet::<S, Many<S, Self>, SEARCH>(simd, boxes, limit);
         loop {
             if rest == 0 {
                 match waiting.pop() {
@@ -400,7 +386,8 @@ impl<const N: usize> Tree<N> {
             rest &= !(1 << lane);
             match self.nodes[node].children[lane].content() {
                 Content::Node(index) => {
-                    let (_, met) = self.meet::<S, SEARCH>(simd, index, boxes, limit);
+                    let below = &self.nodes[index];
+                    let (_, met) = below.meet::<S, Many<S, Self>, SEARCH>(simd, boxes, limit);
                     if met != 0 {
                         if rest != 0 {
                             let fits = waiting.push((node, rest)).is_ok();
@@ -440,7 +427,8 @@ impl<const N: usize> Tree<N> {
             match next.content() {
                 Content::Node(index) => {
                     let node = &self.nodes[index];
-                    let (entry, mut met) = self.meet::<S, SEARCH>(simd, index, boxes, limit);
+                    let (entry, mut met) =
+                        node.meet::<S, Many<S, Self>, SEARCH>(simd, boxes, limit);
                     if met != 0 {
                         let mut entries = Aligned([0.0; N]);
                         entry.store_slice(&mut entries.0);
