@@ -349,9 +349,22 @@ impl<const N: usize> Tree<N> {
                 simd.vectorize(
                     #[inline(always)]
                     || {
-                        self.each_from::<S, SEARCH, $ordered>(
-                            simd, node, packet, rays, boxes, limits, visit,
-                        )
+                        for lane in Set(rays) {
+                            let ray = packet.beams.ray(lane);
+                            let terms = RayTerms::new(&ray, self.needs());
+                            let boxes = boxes.get(lane, ray.direction);
+                            let limit = limits[lane];
+                            let one = OneOfEach {
+                                ray: lane,
+                                left: packet.beams.left[lane],
+                                ordered: $ordered,
+                                limit: &mut limits[lane],
+                                visit: &mut *visit,
+                            };
+                            self.descend::<S, SEARCH, $ordered>(
+                                simd, node, &terms, &boxes, limit, one,
+                            );
+                        }
                     },
                 )
             };
@@ -360,38 +373,6 @@ impl<const N: usize> Tree<N> {
             cast!(true);
         } else {
             cast!(false);
-        }
-    }
-
-    /// As `each`.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    fn each_from<S: Simd, const SEARCH: u8, const ORDERED: bool>(
-        &self,
-        simd: S,
-        node: usize,
-        packet: &Packet<'_, N>,
-        rays: u32,
-        boxes: &NodeTermsOfEach<N>,
-        limits: &mut [f32; N],
-        visit: &mut impl PacketVisit,
-    ) where
-        Self: Vector<S>,
-    {
-        let beams = packet.beams;
-        for lane in Set(rays) {
-            let ray = beams.ray(lane);
-            let terms = RayTerms::new(&ray, self.needs());
-            let boxes = boxes.get(lane, ray.direction);
-            let limit = limits[lane];
-            let visit = OneOfEach {
-                ray: lane,
-                left: beams.left[lane],
-                ordered: ORDERED,
-                limit: &mut limits[lane],
-                visit,
-            };
-            self.descend::<S, SEARCH, ORDERED>(simd, node, &terms, &boxes, limit, visit);
         }
     }
 
