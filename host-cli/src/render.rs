@@ -13,7 +13,7 @@ use crate::picture::Transfer;
 use crate::scene::{AnyScene, HostScene, Light, Material, is_simple};
 use crate::scene_file::limits;
 use crate::wide::Wide;
-use crate::wide::lockstep::{self, HEIGHT, Job};
+use crate::wide::lockstep::{self, Job};
 
 /// How far rays are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -252,8 +252,13 @@ pub fn render_at<P: Clone + Default + Send, E>(
     let in_lockstep = |Tile { rows, columns }: Tile, pixels: &mut [Vec3]| {
         lockstep::tile(&job, view, rows, columns, pixels)
     };
-    let size = [WIDTH, HEIGHT as u32];
-    tiles(view, rows, size, in_lockstep, develop, emit)
+    // Rays that part are gathered from all of a tile, but every thread is to have several.
+    const MOST: u32 = 64;
+    const TILES: usize = 16;
+    let pixels_each = rows.len() * view.width as usize / (TILES * rayon::current_num_threads());
+    let height = (pixels_each as u32 / WIDTH).clamp(1, MOST);
+    let height = height.next_multiple_of(lockstep::HEIGHT as u32);
+    tiles(view, rows, [WIDTH, height], in_lockstep, develop, emit)
 }
 
 /// As [`render`], of all of a scene, with solids and what is placed.

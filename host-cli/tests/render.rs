@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use rayon::ThreadPoolBuilder;
 use whitted::antialiasing::{Adaptive, supersampled_row};
-use whitted::{Counters, Exact, Tracer, View};
+use whitted::{Counters, Exact, Scene, Tracer, View};
 use whitted_cli::render::{Sampling, Settings, keep, render_at, render_sampled};
 use whitted_cli::scene::{AnyScene, HostScene, Pool};
-use whitted_cli::scene_file::{self, limits};
-use whitted_cli::wide::levels;
+use whitted_cli::scene_file::{self, SceneFile, limits};
+use whitted_cli::wide::lockstep::{self, Job};
+use whitted_cli::wide::{Wide, levels};
 
 /// All scenes that there are.
 fn scenes() -> Vec<PathBuf> {
@@ -82,6 +83,102 @@ fn every_picture_has_the_bits_of_the_plain_slices() {
                     assert_eq!(counted, Ok(counters), "{what}");
                 }
             }
+        }
+    }
+}
+
+/// Mirrors, glass and dull things of every kind that has lanes, side by side above a floor, under two
+/// lights: what a ray meets here sends others all ways.
+fn mirrors() -> SceneFile {
+    let mut nff = String::from(
+        "b 0.1 0.2 0.3\n\
+         v\nfrom 3 -13 7\nat 0 0 0\nup 0 0 1\nangle 50\nhither 1\nresolution 4 4\n\
+         l 6 -9 9\nl -8 -5 6\n\
+         f 0.9 0.8 0.6 0.6 0.3 9 0 1\np 4\n-9 -9 -1\n9 -9 -1\n9 9 -1\n-9 9 -1\n",
+    );
+    let finishes = [
+        "f 0.9 0.3 0.2 0.3 0.7 30 0 1",
+        "f 1 1 1 0.1 0.2 50 0.8 1.4",
+        "f 0.2 0.7 0.9 0.8 0 1 0 1",
+    ];
+    for place in 0..120 {
+        let (x, y) = (place % 12 - 6, place / 12 - 5);
+        let z = f64::from(place * 7 % 5) * 0.3;
+        let shape = match place % 4 {
+            0 | 1 => format!("s {x} {y} {z} 0.55"),
+            2 => format!("c\n{x} {y} {z} 0.5\n{x} {y} {} 0.2", z + 0.9),
+            _ => format!(
+                "p 3\n{x} {y} {z}\n{} {y} {z}\n{x} {} {}",
+                x + 1,
+                y + 1,
+                z + 1.0
+            ),
+        };
+        let finish = finishes[(place % 7 % 3) as usize];
+        nff += &format!("{finish}\n{shape}\n");
+    }
+    scene_file::nff::parse(Path::new("mirrors.nff"), nff.as_bytes()).unwrap()
+}
+
+/// Rays that part go on with others of their tile: each still adds to its own pixel, in its own order.
+#[test]
+fn rays_that_part_have_the_bits_of_the_plain_slices() {
+    let file = mirrors();
+    let pool = Pool::new(&file);
+    let host = HostScene::new(&file, &pool).unwrap();
+    let scene = host.scene();
+    let view = host.camera(70, 50).unwrap().unwrap();
+    // With one light, rays are not gathered where they hit.
+    for lights in [2, 1] {
+        let lights = &scene.lights[..lights];
+        let scene = Scene { lights, ..scene };
+        for depth in [2, 6] {
+            let settings = Settings {
+                depth,
+                threshold: 0.001,
+            };
+            let (plain, counters) = plainly(&scene, &view, settings);
+            for (name, level) in levels() {
+                let job = Job {
+                    geometry: &Wide::with_level(scene.geometry, level),
+                    lights: scene.lights,
+                    background: scene.background,
+                    ambient: scene.ambient,
+                    depth,
+                    threshold: settings.threshold,
+                };
+                // All at once, and by tiles that end within groups; over what was there before.
+                for [height, width] in [[50, 70], [21, 33], [4, 70], [1, 1]] {
+                    let mut counted = Counters::default();
+                    for top in (0..view.height).step_by(height) {
+                        for left in (0..view.width).step_by(width) {
+                            let rows = top..view.height.min(top + height as u32);
+                            let columns = left..view.width.min(left + width as u32);
+                            let mut pixels = vec![Vec3::ONE; rows.len() * columns.len()];
+                            counted += lockstep::tile(
+                                &job,
+                                &view,
+                                rows.clone(),
+                                columns.clone(),
+                                &mut pixels,
+                            );
+                            for (row, pixels) in rows.zip(pixels.chunks(columns.len())) {
+                                let start = row as usize * view.width as usize + left as usize;
+                                let expected = &plain[start..start + pixels.len()];
+                                assert!(
+                                    bits(pixels) == bits(expected),
+                                    "{name}, depth {depth}, {width}x{height} at {left}, {row}"
+                                );
+                            }
+                        }
+                    }
+                    assert_eq!(counted, counters, "{name}, {width}x{height}");
+                }
+            }
+            assert!(
+                counters.refracted > 300 && counters.reflected > 2000,
+                "{counters:?}"
+            );
         }
     }
 }

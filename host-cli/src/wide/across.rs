@@ -11,10 +11,10 @@ use whitted::{Cuboid, Exact, Finish, Frustum, Plane, Sphere, Vec3};
 use super::around::{Around, Passing};
 use super::beams::{Beams, Set};
 use super::blocks::Kind;
-use super::bounds::{FAR, ROUNDING};
+
 use super::lanes::{Lanes, Meeting, Vectors, fastest_of_each, mask_of};
 use super::parts::Parts;
-use super::rays::{INVERTIBLE, Needs};
+use super::rays::Needs;
 use super::{cuboid, frustum, outline, sphere};
 
 /// What there is to know of few objects, by place.
@@ -231,28 +231,6 @@ impl<V: Copy, M: Copy> Terms<V, M> {
             M::splat(simd, false)
         }
     }
-}
-
-/// Of which rays the lanes' answer is the kernels' own, as `Wide::takes_this`.
-#[inline(always)]
-pub fn regular<S: Simd, V: Lanes<S>>(
-    simd: S,
-    origin: Vectors<V>,
-    direction: Vectors<V>,
-    needs: Needs,
-) -> V::Mask {
-    let d = direction;
-    let off = (d.dot(d) - V::simd_from(simd, 1.0)).abs();
-    let reach = origin.x.abs() + origin.y.abs() + origin.z.abs();
-    let mut regular =
-        off.simd_lt(V::simd_from(simd, ROUNDING)) & reach.simd_lt(V::simd_from(simd, FAR));
-    if needs.reciprocal {
-        let (zero, least) = (V::simd_from(simd, 0.0), V::simd_from(simd, INVERTIBLE));
-        for x in [d.x, d.y, d.z] {
-            regular &= x.simd_eq(zero) | x.abs().simd_gt(least);
-        }
-    }
-    regular
 }
 
 /// What of an object's answer the kernels themselves have to give: of the rays in this set.

@@ -2,10 +2,12 @@
 
 use core::hint::black_box;
 
-use fearless_simd::{Simd, SimdBase, SimdFrom, f32x4};
+use fearless_simd::{Simd, SimdBase, SimdFrom, SimdMask, f32x4};
 use whitted::{Departure, Ray, Side, Vec3};
 
+use super::bounds::{FAR, ROUNDING};
 use super::lanes::{Lanes, Vectors};
+use super::rays::{INVERTIBLE, Needs};
 use super::tree::{Tree, Vector};
 
 /// A vector a lane, a coordinate a row.
@@ -67,9 +69,9 @@ impl<const N: usize> Beams<N> {
     /// Takes up to `N` rays, and says which lanes have one. Rays that leave none of the `len` objects leave
     /// none.
     #[inline(always)]
-    pub fn take<S: Simd>(&mut self, simd: S, rays: &[Ray], len: usize) -> u32
+    pub fn take<S: Simd, V: Lanes<S>>(&mut self, simd: S, rays: &[Ray], len: usize) -> u32
     where
-        Tree<N>: Vector<S>,
+        Tree<N>: Vector<S, Lanes = V>,
     {
         let padded;
         let all: &[Ray; N] = match rays.first_chunk() {
@@ -79,34 +81,20 @@ impl<const N: usize> Beams<N> {
                 &padded
             }
         };
-        // Numbers that lie together go together, by four; rows become whole before they are stored: in
-        // parts, they could not be loaded before the last had arrived.
-        let (fours, _) = all.as_chunks::<4>();
-        let starts: [_; 4] = core::array::from_fn(|i| {
-            columns(simd, &fours[i % fours.len()], |ray| {
+        let [start, end] = rows::<S, _, _, N>(
+            simd,
+            all.each_ref(),
+            |ray| {
                 let (o, d) = (ray.origin, ray.direction);
                 [o.x, o.y, o.z, d.x]
-            })
-        });
-        let ends: [_; 4] = core::array::from_fn(|i| {
-            columns(simd, &fours[i % fours.len()], |ray| {
+            },
+            |ray| {
                 let d = ray.direction;
                 [d.x, d.y, d.z, ray.t_max]
-            })
-        });
-        let start = |number: usize| Tree::<N>::join(starts.map(|it| it[number]));
-        let end = |number: usize| Tree::<N>::join(ends.map(|it| it[number]));
-        self.origin.store(Vectors {
-            x: start(0),
-            y: start(1),
-            z: start(2),
-        });
-        self.direction.store(Vectors {
-            x: start(3),
-            y: end(1),
-            z: end(2),
-        });
-        end(3).store_slice(&mut self.end);
+            },
+        );
+        self.set(start, end);
+        end[3].store_slice(&mut self.end);
         self.left = [u32::MAX; N];
         self.inward = 0;
         let leaves = (all.iter()).fold(false, |any, ray| any | ray.departure.is_some());
@@ -125,6 +113,37 @@ impl<const N: usize> Beams<N> {
         // Rows are to be loaded as they are: number by number, the compiler would carry all of them along.
         black_box(self);
         u32::MAX >> (32 - rays.len().min(N))
+    }
+
+    /// From where rays go, and in which direction: of [`rows`], the three coordinates of the origins and the
+    /// first of the directions, and all of these.
+    #[inline(always)]
+    pub fn set<S: Simd, V: Lanes<S>>(&mut self, start: [V; 4], end: [V; 4]) {
+        let [x, y, z, along_x] = start;
+        self.origin.store(Vectors { x, y, z });
+        let [_, y, z, _] = end;
+        self.direction.store(Vectors { x: along_x, y, z });
+    }
+
+    /// Of which rays the lanes' answer is the kernels' own, as `Wide::takes_this`: a bit a lane.
+    #[inline(always)]
+    pub fn regular<S: Simd, V: Lanes<S>>(&self, simd: S, needs: Needs) -> u32
+    where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        let o: Vectors<V> = self.origin.load(simd);
+        let d: Vectors<V> = self.direction.load(simd);
+        let off: V = (d.dot(d) - V::simd_from(simd, 1.0)).abs();
+        let reach = o.x.abs() + o.y.abs() + o.z.abs();
+        let mut regular =
+            off.simd_lt(V::simd_from(simd, ROUNDING)) & reach.simd_lt(V::simd_from(simd, FAR));
+        if needs.reciprocal {
+            let (zero, least) = (V::simd_from(simd, 0.0), V::simd_from(simd, INVERTIBLE));
+            for x in [d.x, d.y, d.z] {
+                regular &= x.simd_eq(zero) | x.abs().simd_gt(least);
+            }
+        }
+        regular.to_bitmask() as u32
     }
 
     /// On which side a lane's ray leaves the object that it leaves.
@@ -153,12 +172,35 @@ impl<const N: usize> Beams<N> {
     }
 }
 
+/// Eight numbers of each of some rays, a number a row: numbers that lie together go together, by four.
+///
+/// Rows become whole before they are stored: in parts, they could not be loaded before the last had arrived.
+#[inline(always)]
+pub fn rows<S: Simd, V: Lanes<S>, T, const N: usize>(
+    simd: S,
+    rays: [&T; N],
+    start: impl Fn(&T) -> [f32; 4],
+    end: impl Fn(&T) -> [f32; 4],
+) -> [[V; 4]; 2]
+where
+    Tree<N>: Vector<S, Lanes = V>,
+{
+    let (fours, _) = rays.as_chunks::<4>();
+    let starts: [_; 4] = core::array::from_fn(|i| columns(simd, fours[i % fours.len()], &start));
+    let ends: [_; 4] = core::array::from_fn(|i| columns(simd, fours[i % fours.len()], &end));
+    [starts, ends]
+        .map(|parts| core::array::from_fn(|number| Tree::<N>::join(parts.map(|part| part[number]))))
+}
+
 /// Four numbers of each of four rays, a number a vector.
 #[inline(always)]
-fn columns<S: Simd>(simd: S, rays: &[Ray; 4], numbers: impl Fn(&Ray) -> [f32; 4]) -> [f32x4<S>; 4] {
+fn columns<S: Simd, T>(
+    simd: S,
+    [a, b, c, d]: [&T; 4],
+    numbers: impl Fn(&T) -> [f32; 4],
+) -> [f32x4<S>; 4] {
     // The compiler would rather shuffle all rays at once, in as many steps as that takes.
-    let four = |ray: &Ray| black_box(f32x4::simd_from(simd, numbers(ray)));
-    let [a, b, c, d] = rays;
+    let four = |ray: &T| black_box(f32x4::simd_from(simd, numbers(ray)));
     let (a, b, c, d) = (four(a), four(b), four(c), four(d));
     let (even, odd) = (a.zip_low(c), b.zip_low(d));
     let (last_even, last_odd) = (a.zip_high(c), b.zip_high(d));
