@@ -11,7 +11,6 @@ use whitted::{Cuboid, Exact, Finish, Frustum, Plane, Sphere, Vec3};
 use super::around::{Around, Passing};
 use super::beams::{Beams, Set};
 use super::blocks::Kind;
-
 use super::lanes::{Lanes, Meeting, Vectors, fastest_of_each, mask_of};
 use super::parts::Parts;
 use super::rays::Needs;
