@@ -254,7 +254,7 @@ pub fn render_at<P: Clone + Default + Send, E>(
     };
     // Rays that part are gathered from all of a tile, but every thread is to have several.
     const MOST: u32 = 64;
-    const TILES: usize = 16;
+    const TILES: usize = 32;
     let pixels_each = rows.len() * view.width as usize / (TILES * rayon::current_num_threads());
     let height = (pixels_each as u32 / WIDTH).clamp(1, MOST);
     let height = height.next_multiple_of(lockstep::HEIGHT as u32);
