@@ -13,7 +13,7 @@ use crate::picture::Transfer;
 use crate::scene::{AnyScene, HostScene, Light, Material, is_simple};
 use crate::scene_file::limits;
 use crate::wide::Wide;
-use crate::wide::lockstep::{self, Job};
+use crate::wide::lockstep::{self, HEIGHT, Job};
 
 /// How far rays are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -196,8 +196,12 @@ where
         adaptive_rows(scene, view, tile.rows, settings, bound, pixels)
     };
     // Only the rays of a band's upper edge are traced twice.
-    let size = [view.width, 16];
-    tiles(view, rows, size, whole_rows, develop, emit)
+    let bands = Sizes {
+        width: view.width,
+        rows: 16,
+        most: 16,
+    };
+    tiles(view, rows, bands, whole_rows, develop, emit)
 }
 
 /// Rows with adaptive anti-aliasing.
@@ -252,13 +256,7 @@ pub fn render_at<P: Clone + Default + Send, E>(
     let in_lockstep = |Tile { rows, columns }: Tile, pixels: &mut [Vec3]| {
         lockstep::tile(&job, view, rows, columns, pixels)
     };
-    // Rays that part are gathered from all of a tile, but every thread is to have several.
-    const MOST: u32 = 64;
-    const TILES: usize = 32;
-    let pixels_each = rows.len() * view.width as usize / (TILES * rayon::current_num_threads());
-    let height = (pixels_each as u32 / WIDTH).clamp(1, MOST);
-    let height = height.next_multiple_of(lockstep::HEIGHT as u32);
-    tiles(view, rows, [WIDTH, height], in_lockstep, develop, emit)
+    tiles(view, rows, IN_GROUPS, in_lockstep, develop, emit)
 }
 
 /// As [`render`], of all of a scene, with solids and what is placed.
@@ -339,18 +337,52 @@ struct Tile {
     columns: Range<u32>,
 }
 
-/// Least width of a tile that is parted.
+/// How large tiles are.
+#[derive(Clone, Copy)]
+struct Sizes {
+    /// Of all but those at the right edge.
+    width: u32,
+    /// A height's factor.
+    rows: u32,
+    /// The greatest height.
+    most: u32,
+}
+
 const WIDTH: u32 = 128;
 
-/// Width and height of tiles where each ray is traced alone.
-const LONE: [u32; 2] = [WIDTH, 1];
+/// Where each ray is traced alone.
+const LONE: Sizes = Sizes {
+    width: WIDTH,
+    rows: 1,
+    most: 1,
+};
 
-/// Has `trace` compute all rows, on all cores, by tiles as high as `height`, and none of them narrower than
-/// `least` that the picture is not too narrow for, or its right edge.
+/// Where they are traced in groups. Rays that part are gathered from all of a tile: the more, the better.
+const IN_GROUPS: Sizes = Sizes {
+    width: WIDTH,
+    rows: HEIGHT as u32,
+    most: 64,
+};
+
+impl Sizes {
+    /// How high the next tiles are, before so many rows of pixels: the less is left to do, the lower. So all
+    /// threads end at about the same time: C. D. Polychronopoulos, D. J. Kuck, "Guided Self-Scheduling",
+    /// IEEE Transactions on Computers C-36 (12), 1987.
+    fn height(&self, rows: u32, width: u32) -> u32 {
+        // Tiles a thread, if all that is left were of this height.
+        const SHARE: u64 = 8;
+        let threads = rayon::current_num_threads() as u64;
+        let height = u64::from(rows) * u64::from(width) / (SHARE * threads * u64::from(self.width));
+        let factor = (height.min(self.most.into()) as u32 / self.rows).max(1);
+        rows.min(factor * self.rows)
+    }
+}
+
+/// Has `trace` compute all rows, on all cores, by tiles.
 fn tiles<P: Clone + Default + Send, E>(
     view: &View,
     rows: Range<u32>,
-    [least, height]: [u32; 2],
+    sizes: Sizes,
     trace: impl Fn(Tile, &mut [Vec3]) -> Counters + Sync,
     develop: impl Fn(&[Vec3], &mut [P]) + Sync,
     mut emit: impl FnMut(&[P]) -> Result<(), E>,
@@ -362,62 +394,43 @@ fn tiles<P: Clone + Default + Send, E>(
     let mut developed = vec![P::default(); batch as usize * width];
     for start in rows.clone().step_by(batch as usize) {
         let developed = &mut developed[..batch.min(rows.end - start) as usize * width];
-        counters += developed
-            .par_chunks_mut(height as usize * width)
-            // Tiles take as long as what they show: none waits behind another while a processor is idle.
-            .with_max_len(1)
-            .enumerate()
-            .map(|(place, developed)| {
-                let row = start + place as u32 * height;
-                let lines: Vec<_> = developed.chunks_mut(width).collect();
-                let all = Tile {
-                    rows: row..row + lines.len() as u32,
-                    columns: 0..view.width,
+        let mut tiles = Vec::new();
+        let (mut row, mut rest) = (start, &mut *developed);
+        while !rest.is_empty() {
+            let height = sizes.height((rest.len() / width) as u32, view.width);
+            let (band, below) = rest.split_at_mut(height as usize * width);
+            let lines = band.chunks_mut(width);
+            let mut lines: Vec<_> = lines
+                .map(|line| line.chunks_mut(sizes.width as usize))
+                .collect();
+            for left in (0..view.width).step_by(sizes.width as usize) {
+                let tile = Tile {
+                    rows: row..row + height,
+                    columns: left..view.width.min(left.saturating_add(sizes.width)),
                 };
-                in_parts(all, least, lines, &trace, &develop)
+                let lines: Vec<_> = lines.iter_mut().filter_map(Iterator::next).collect();
+                tiles.push((tile, lines));
+            }
+            (row, rest) = (row + height, below);
+        }
+        // One after the other to whichever thread is free.
+        counters += (tiles.into_iter().par_bridge())
+            .map(|(tile, lines)| {
+                let width = tile.columns.len();
+                let mut pixels = vec![Vec3::ZERO; lines.len() * width];
+                let counters = trace(tile, &mut pixels);
+                for (pixels, line) in pixels.chunks_exact(width).zip(lines) {
+                    develop(pixels, line);
+                }
+                counters
             })
-            .reduce(Counters::default, |mut sum, rows| {
-                sum += rows;
+            .reduce(Counters::default, |mut sum, tile| {
+                sum += tile;
                 sum
             });
         emit(developed)?;
     }
     Ok(counters)
-}
-
-/// Computes a tile, or its left and its right part, whichever thread is free.
-fn in_parts<P: Send>(
-    tile: Tile,
-    least: u32,
-    lines: Vec<&mut [P]>,
-    trace: &(impl Fn(Tile, &mut [Vec3]) -> Counters + Sync),
-    develop: &(impl Fn(&[Vec3], &mut [P]) + Sync),
-) -> Counters {
-    let Tile { rows, columns } = tile.clone();
-    let width = columns.len();
-    // Of a tile that is not to be parted, all.
-    let half = (width as u32 / 2).max(1).next_multiple_of(least);
-    if half >= width as u32 {
-        let mut pixels = vec![Vec3::ZERO; rows.len() * width];
-        let counters = trace(tile, &mut pixels);
-        for (pixels, line) in pixels.chunks_exact(width).zip(lines) {
-            develop(pixels, line);
-        }
-        return counters;
-    }
-    let parted = lines.into_iter().map(|it| it.split_at_mut(half as usize));
-    let (left, right) = parted.unzip();
-    let middle = columns.start + half;
-    let [left_tile, right_tile] = [columns.start..middle, middle..columns.end].map(|columns| {
-        let rows = rows.clone();
-        Tile { rows, columns }
-    });
-    let (mut counters, others) = rayon::join(
-        || in_parts(left_tile, least, left, trace, develop),
-        || in_parts(right_tile, least, right, trace, develop),
-    );
-    counters += others;
-    counters
 }
 
 /// Pixels as red, green, blue. Of pixels and of room for them, what there is more of is left alone.
@@ -488,16 +501,21 @@ mod tests {
     }
 
     #[test]
-    fn every_pixel_is_in_a_tile_whatever_the_width() {
-        for width in [1, 2, 127, 128, 129, 255, 256, 257, 385] {
+    fn every_pixel_is_in_a_tile_whatever_the_size() {
+        let sides = [1, 2, 127, 128, 129, 255, 256, 257, 385];
+        for (width, sizes) in sides
+            .into_iter()
+            .flat_map(|it| [(it, LONE), (it, IN_GROUPS)])
+        {
             let camera = whitted::Camera::look_at(Vec3::ZERO, Vec3::Z, Vec3::Y, 1.0, 1.0);
             let view = View {
                 camera: camera.unwrap(),
                 width,
-                height: 7,
+                height: 307,
             };
             let number = |tile: Tile, pixels: &mut [Vec3]| {
                 let columns = tile.columns;
+                assert_eq!(pixels.len(), tile.rows.len() * columns.len());
                 let places = tile
                     .rows
                     .flat_map(|row| columns.clone().map(move |it| (it, row)));
@@ -511,12 +529,38 @@ mod tests {
                 all.extend_from_slice(pixels);
                 Ok::<_, ()>(())
             };
-            tiles(&view, 2..7, [WIDTH, 4], number, keep, emit).unwrap();
-            let expected = (2..7).flat_map(|row| {
+            tiles(&view, 2..307, sizes, number, keep, emit).unwrap();
+            let expected = (2..307).flat_map(|row| {
                 (0..width).map(move |column| Vec3::new(column as f32, row as f32, 1.0))
             });
             assert!(all.into_iter().eq(expected), "{width}");
         }
+    }
+
+    #[test]
+    fn tiles_become_lower_to_the_last() {
+        let heights = |threads, mut rows| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let next = || {
+                let height = IN_GROUPS.height(rows, 512);
+                rows -= height;
+                height
+            };
+            let all = pool.build().unwrap();
+            all.install(|| {
+                std::iter::repeat_with(next)
+                    .take_while(|&it| it > 0)
+                    .collect::<Vec<_>>()
+            })
+        };
+        let two = heights(2, 510);
+        assert_eq!(two[..4], [64; 4]);
+        assert!(
+            two.is_sorted_by(|a, b| a >= b) && two.ends_with(&[4, 4, 2]),
+            "{two:?}"
+        );
+        assert_eq!(two.iter().sum::<u32>(), 510);
+        assert_eq!(heights(1000, 9), [4, 4, 1]);
     }
 
     #[test]
