@@ -166,13 +166,13 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                     continue;
                 }
                 let hit = self.nearest_of_each(simd, active);
-                if hit != active {
-                    self.go_on(simd, active & !hit, 0, false, tile);
-                }
                 for lane in Set(hit) {
                     let (t, object) = (self.hits.t[lane], self.hits.object[lane]);
                     let point = self.beams.origin.get(lane) + self.beams.direction.get(lane) * t;
                     hits.push((places[lane], Nearest { t, object }, point));
+                }
+                if hit != active {
+                    self.go_on(simd, active & !hit, 0, false, tile);
                 }
             }
             let order = by_cells(hits.iter().map(|&(_, _, point)| point), bounds);

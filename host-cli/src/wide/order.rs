@@ -4,7 +4,8 @@
 //! Rays that start in the same cell of a grid, and go about the same way, share what they wait for:
 //! M. Pharr, C. Kolb, R. Gershbein, P. Hanrahan, "Rendering Complex Scenes with Memory-Coherent Ray
 //! Tracing", SIGGRAPH 1997; B. Moon, Y. Byun, T.-J. Kim et al., "Cache-Oblivious Ray Reordering", ACM
-//! Transactions on Graphics 29(3), 2010, for the order of cells.
+//! Transactions on Graphics 29(3), 2010, for the order of cells. And those that come one after the other have
+//! the most in common, where they are to go together.
 
 use whitted::{Ray, Vec3};
 
