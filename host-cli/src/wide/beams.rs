@@ -81,20 +81,10 @@ impl<const N: usize> Beams<N> {
                 &padded
             }
         };
-        let [start, end] = rows::<S, _, _, N>(
-            simd,
-            all.each_ref(),
-            |ray| {
-                let (o, d) = (ray.origin, ray.direction);
-                [o.x, o.y, o.z, d.x]
-            },
-            |ray| {
-                let d = ray.direction;
-                [d.x, d.y, d.z, ray.t_max]
-            },
-        );
-        self.set(start, end);
-        end[3].store_slice(&mut self.end);
+        let ends = self.set(simd, all.each_ref(), |ray| {
+            (ray.origin, ray.direction, ray.t_max)
+        });
+        ends.store_slice(&mut self.end);
         self.left = [u32::MAX; N];
         self.inward = 0;
         let leaves = (all.iter()).fold(false, |any, ray| any | ray.departure.is_some());
@@ -115,14 +105,48 @@ impl<const N: usize> Beams<N> {
         u32::MAX >> (32 - rays.len().min(N))
     }
 
-    /// From where rays go, and in which direction: of [`rows`], the three coordinates of the origins and the
-    /// first of the directions, and all of these.
+    /// Takes the rows of origins and directions from `numbers` of each of some, and returns the row of the
+    /// third ones.
+    ///
+    /// Rows become whole before they are stored: in parts, they could not be loaded before the last had
+    /// arrived.
     #[inline(always)]
-    pub fn set<S: Simd, V: Lanes<S>>(&mut self, start: [V; 4], end: [V; 4]) {
-        let [x, y, z, along_x] = start;
-        self.origin.store(Vectors { x, y, z });
-        let [_, y, z, _] = end;
-        self.direction.store(Vectors { x: along_x, y, z });
+    pub fn set<S: Simd, V: Lanes<S>, T>(
+        &mut self,
+        simd: S,
+        all: [&T; N],
+        numbers: impl Fn(&T) -> (Vec3, Vec3, f32),
+    ) -> V
+    where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        // Numbers that lie together go together, by four.
+        let (fours, _) = all.as_chunks::<4>();
+        let starts: [_; 4] = core::array::from_fn(|i| {
+            columns(simd, fours[i % fours.len()], |it| {
+                let (o, d, _) = numbers(it);
+                [o.x, o.y, o.z, d.x]
+            })
+        });
+        let ends: [_; 4] = core::array::from_fn(|i| {
+            columns(simd, fours[i % fours.len()], |it| {
+                let (_, d, last) = numbers(it);
+                [d.x, d.y, d.z, last]
+            })
+        });
+        let start = |number: usize| Tree::<N>::join(starts.map(|it| it[number]));
+        let end = |number: usize| Tree::<N>::join(ends.map(|it| it[number]));
+        self.origin.store(Vectors {
+            x: start(0),
+            y: start(1),
+            z: start(2),
+        });
+        self.direction.store(Vectors {
+            x: start(3),
+            y: end(1),
+            z: end(2),
+        });
+        end(3)
     }
 
     /// Of which rays the lanes' answer is the kernels' own, as `Wide::takes_this`: a bit a lane.
@@ -170,26 +194,6 @@ impl<const N: usize> Beams<N> {
             departure: (self.left[lane] != u32::MAX).then_some(departure),
         }
     }
-}
-
-/// Eight numbers of each of some rays, a number a row: numbers that lie together go together, by four.
-///
-/// Rows become whole before they are stored: in parts, they could not be loaded before the last had arrived.
-#[inline(always)]
-pub fn rows<S: Simd, V: Lanes<S>, T, const N: usize>(
-    simd: S,
-    rays: [&T; N],
-    start: impl Fn(&T) -> [f32; 4],
-    end: impl Fn(&T) -> [f32; 4],
-) -> [[V; 4]; 2]
-where
-    Tree<N>: Vector<S, Lanes = V>,
-{
-    let (fours, _) = rays.as_chunks::<4>();
-    let starts: [_; 4] = core::array::from_fn(|i| columns(simd, fours[i % fours.len()], &start));
-    let ends: [_; 4] = core::array::from_fn(|i| columns(simd, fours[i % fours.len()], &end));
-    [starts, ends]
-        .map(|parts| core::array::from_fn(|number| Tree::<N>::join(parts.map(|part| part[number]))))
 }
 
 /// Four numbers of each of four rays, a number a vector.

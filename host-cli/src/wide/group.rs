@@ -7,7 +7,7 @@ use whitted::{Candidates, Counters, Exact, Geometry, LightSource, Ray, Vec3};
 
 use super::Wide;
 use super::across::{self, Near, Terms};
-use super::beams::{self, Beams, Rows, Set};
+use super::beams::{Beams, Rows, Set};
 use super::blocks::Kind;
 use super::frustum;
 use super::lanes::{Lanes, Vectors, mask_of};
@@ -337,20 +337,10 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         for (lane, place) in lanes.iter_mut().zip(places) {
             *lane = &paths[place as usize];
         }
-        let [start, end] = beams::rows(
-            simd,
-            lanes,
-            |path| {
-                let (o, d) = (path.origin, path.direction);
-                [o.x, o.y, o.z, d.x]
-            },
-            |path| {
-                let d = path.direction;
-                [d.x, d.y, d.z, path.throughput]
-            },
-        );
-        self.beams.set(start, end);
-        end[3].store_slice(&mut self.throughput);
+        let throughputs = self.beams.set(simd, lanes, |path| {
+            (path.origin, path.direction, path.throughput)
+        });
+        throughputs.store_slice(&mut self.throughput);
         for (lane, path) in lanes.iter().enumerate() {
             self.follow_on(lane, path);
         }
