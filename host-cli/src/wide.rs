@@ -114,8 +114,10 @@ pub struct Wide<'a, M> {
     returns_outside: bool,
     /// Whether light may weaken in any object: all in which it does are loose.
     absorbs: bool,
-    /// Where boxes and objects take more memory than is near, the box round all of them.
-    far: Option<[Vec3; 2]>,
+    /// Where there are boxes, the one round all of them.
+    bounds: Option<[Vec3; 2]>,
+    /// Whether boxes and objects take more memory than is near.
+    is_far: bool,
     /// Where all objects are tested, and lanes give the kernels' own answer about all.
     few: Option<Few<'a, M>>,
 }
@@ -182,7 +184,8 @@ impl<'a, M: Finish + Sync> Wide<'a, M> {
             loose,
             search: about.search,
             takes_any_ray: about.takes_any_ray,
-            far: (about.bounds).filter(|_| about.bytes.iter().sum::<usize>() > NEAR),
+            is_far: about.bytes.iter().sum::<usize>() > NEAR,
+            bounds: about.bounds,
             has_cuboids: !parts.cuboids.objects.is_empty(),
             tree,
         }

@@ -705,7 +705,8 @@ fn rays_put_in_order_are_answered_as_the_kernels_do() {
         for (name, level) in levels() {
             let mut wide = Wide::with(kinds, level, 0);
             // As if there were more.
-            wide.far = Some([style.offset - 2.0, style.offset + 2.0]);
+            wide.is_far = true;
+            wide.bounds = Some([style.offset - 2.0, style.offset + 2.0]);
             let mut hits = vec![None; rays.len()];
             let (mut last, mut turns) = (0, 0);
             lockstep::closest_hits(&wide, &rays, |ray, hit| {
@@ -717,20 +718,24 @@ fn rays_put_in_order_are_answered_as_the_kernels_do() {
                 turns > 100,
                 "{name} {style:?}: the order is that of the rays"
             );
-            // One place less than there are rays.
-            let mut passed = vec![f32::NAN; rays.len() - 1];
-            lockstep::transmittances(&wide, &rays, &mut passed);
             for (ray, hit) in rays.iter().zip(hits) {
                 let expected = kinds.closest_hit(ray);
                 assert_eq!(bits(hit), bits(expected), "{name} {style:?} {ray:?}");
             }
-            for (ray, passed) in rays.iter().zip(passed) {
-                let light = kinds.transmittance(ray).x;
-                assert_eq!(
-                    passed.to_bits(),
-                    light.to_bits(),
-                    "{name} {style:?} {ray:?}"
-                );
+            // All of them at a time, and so many that some are left.
+            for is_far in [true, false] {
+                wide.is_far = is_far;
+                // One place less than there are rays.
+                let mut passed = vec![f32::NAN; rays.len() - 1];
+                lockstep::transmittances(&wide, &rays, &mut passed);
+                for (ray, passed) in rays.iter().zip(passed) {
+                    let light = kinds.transmittance(ray).x;
+                    assert_eq!(
+                        passed.to_bits(),
+                        light.to_bits(),
+                        "{name} {style:?} {ray:?}"
+                    );
+                }
             }
         }
     }

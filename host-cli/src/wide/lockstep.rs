@@ -15,7 +15,7 @@ use super::Wide;
 use super::beams::{Rows, Set};
 use super::group::{Group, Tile};
 use super::lanes::{Lanes, Vectors};
-use super::order::by_cells_and_ways;
+use super::order::{by_cells, by_cells_and_ways};
 use super::tree::{Tree, Vector};
 use crate::scene::Material;
 
@@ -74,12 +74,12 @@ pub fn closest_hits<'a>(
     }
 }
 
-/// The order in which to cast rays, if it is not theirs: where boxes and objects lie [far](Wide::far), it
+/// The order in which to cast rays, if it is not theirs: where boxes and objects lie [far](Wide::is_far), it
 /// [matters](by_cells_and_ways).
 fn order(geometry: &Wide<'_, Material>, rays: &[Ray]) -> Option<Vec<u32>> {
     // Fewer have too little in common.
     const ENOUGH: usize = 4096;
-    let bounds = geometry.far.filter(|_| rays.len() >= ENOUGH)?;
+    let bounds = (geometry.bounds).filter(|_| geometry.is_far && rays.len() >= ENOUGH)?;
     // Rays of one camera come in a good order.
     let is_camera = rays.iter().all(|ray| ray.origin == rays[0].origin);
     (!is_camera).then(|| by_cells_and_ways(rays, bounds))
@@ -138,27 +138,34 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
     }
 }
 
-/// As [`Geometry::transmittance`] of each ray, where that is the same for all channels; fastest where
-/// neighbours go about the same way. Of rays and places for answers, what there is more of is left alone.
+/// As [`Geometry::transmittance`] of each ray, where that is the same for all channels; fastest where many go
+/// about the same way. Of rays and places for answers, what there is more of is left alone.
 pub fn transmittances(geometry: &Wide<'_, Material>, rays: &[Ray], passed: &mut [f32]) {
+    // Rays towards a light have much in common with others that start near them; a few rows of a picture
+    // have most of those, unless memory is far.
+    const FEW: usize = 64;
+    const NEAR: usize = 4096;
+    const FAR: usize = 16 * NEAR;
     let rays = &rays[..rays.len().min(passed.len())];
     let cast = |rays: &[Ray], passed: &mut [f32]| {
         with_tree!(&geometry.tree, |tree, simd| each_transmittance(
             simd, tree, geometry, rays, passed
         ));
     };
-    match order(geometry, rays) {
-        None => cast(rays, passed),
-        Some(order) => {
-            let mut part = [0.0; AT_A_TIME];
-            in_parts(rays, &order, |rays, places| {
-                let part = &mut part[..rays.len()];
-                cast(rays, part);
-                for (&place, &it) in places.iter().zip(&*part) {
-                    passed[place as usize] = it;
-                }
-            });
-        }
+    let Some(bounds) = geometry.bounds.filter(|_| rays.len() > FEW) else {
+        return cast(rays, passed);
+    };
+    let window = if geometry.is_far { FAR } else { NEAR };
+    let mut part = [0.0; AT_A_TIME];
+    for (rays, passed) in rays.chunks(window).zip(passed.chunks_mut(window)) {
+        let order = by_cells(rays.iter().map(|ray| ray.origin), bounds);
+        in_parts(rays, &order, |rays, places| {
+            let part = &mut part[..rays.len()];
+            cast(rays, part);
+            for (&place, &it) in places.iter().zip(&*part) {
+                passed[place as usize] = it;
+            }
+        });
     }
 }
 

@@ -59,15 +59,25 @@ impl<const CELLS: u32> Grid<CELLS> {
         let cell = (point - self.low) * self.scale;
         // What is below zero or no number becomes zero.
         let cell = cell.to_array().map(|x| (x as u32).min(last));
-        let mut place = 0;
-        for bit in (0..CELLS).rev() {
-            for x in cell {
-                place = place << 1 | (x >> bit & 1);
-            }
-        }
-        place
+        let [x, y, z] = cell.map(|x| SPREAD[x as usize]);
+        x << 2 | y << 1 | z
     }
 }
+
+/// Of each number its bits, three places apart.
+static SPREAD: [u32; 64] = {
+    let mut spread = [0; 64];
+    let mut number = 0;
+    while number < spread.len() {
+        let mut bit = 0;
+        while bit < 6 {
+            spread[number] |= (number as u32 >> bit & 1) << (3 * bit);
+            bit += 1;
+        }
+        number += 1;
+    }
+    spread
+};
 
 /// A bit for each axis that a direction goes down.
 #[inline(always)]

@@ -59,19 +59,14 @@ impl Peer for Together<'_> {
     }
 
     fn any(&self, rays: &[Ray], answers: &mut [bool]) {
-        let mut passed = [0.0; BATCH];
-        for (rays, answers) in rays.chunks(BATCH).zip(answers.chunks_mut(BATCH)) {
-            lockstep::transmittances(&self.0, rays, &mut passed[..rays.len()]);
-            for (passed, answer) in passed.iter().zip(answers) {
-                // No object here is transparent.
-                *answer = *passed == 0.0;
-            }
+        let mut passed = vec![0.0; rays.len()];
+        lockstep::transmittances(&self.0, rays, &mut passed);
+        for (passed, answer) in passed.iter().zip(answers) {
+            // No object here is transparent.
+            *answer = *passed == 0.0;
         }
     }
 }
-
-/// Rays that are asked about at a time.
-const BATCH: usize = 256;
 
 /// The host's geometry, asked about many rays at once.
 pub fn together(shapes: &Shapes) -> Result<Box<dyn Peer + '_>, String> {
