@@ -217,6 +217,22 @@ impl<V: Copy, M: Copy> Terms<V, M> {
         }
     }
 
+    /// What rays meet of the object at this place, if they do not leave it.
+    #[inline(always)]
+    pub fn unless_left<S: Simd>(
+        &self,
+        simd: S,
+        place: usize,
+        mut meeting: Meeting<V, M>,
+    ) -> Meeting<V, M>
+    where
+        V: Lanes<S, Mask = M>,
+        M: SimdMask<S>,
+    {
+        meeting.met &= !self.leaves(simd, place);
+        meeting
+    }
+
     /// Which rays leave the object at this place.
     #[inline(always)]
     fn leaves<S: Simd>(&self, simd: S, place: usize) -> M
@@ -326,7 +342,7 @@ fn frustum<S: Simd, V: Lanes<S>>(
     (meeting, (left & returning).to_bitmask() as u32)
 }
 
-/// What rays meet of one object that is in a block, and that they do not leave.
+/// What rays meet of one object that is in a block, even those that leave it.
 #[inline(always)]
 pub fn object<S: Simd, V: Lanes<S>, M>(
     simd: S,
@@ -337,7 +353,7 @@ pub fn object<S: Simd, V: Lanes<S>, M>(
     limit: V,
 ) -> Meeting<V, V::Mask> {
     let none = V::Mask::splat(simd, false);
-    let mut meeting = match kind {
+    match kind {
         Kind::Sphere | Kind::HollowSphere => {
             let part = &parts.spheres;
             let shape = &part.objects[object - part.first].shape;
@@ -358,9 +374,7 @@ pub fn object<S: Simd, V: Lanes<S>, M>(
             frustum(simd, shape, terms, none, limit).0
         }
         Kind::Other => unreachable!("its kernel takes one ray"),
-    };
-    meeting.met &= !terms.leaves(simd, object);
-    meeting
+    }
 }
 
 /// What an object's outward normal comes from.

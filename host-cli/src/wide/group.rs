@@ -675,6 +675,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let terms = Terms::<V, _>::new(simd, beams, self.tree.needs());
             let ends = V::from_slice(simd, &beams.end);
             let meeting = across::object(simd, parts, kind, *occluder as usize, &terms, ends);
+            let meeting = terms.unless_left(simd, *occluder as usize, meeting);
             let dark = meeting.met.to_bitmask() as u32 & lit;
             for lane in Set(dark) {
                 passed[lane] = 0.0;

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::across::{Terms, turn};
 use super::lanes::{Lanes, Meeting, Vectors, nothing};
-use super::rays::RayTerms;
+use super::rays::{AXES, RayTerms};
 
 /// `N` outlines of `CORNERS` vertices, filled even-odd.
 #[derive(Clone, Debug)]
@@ -43,17 +43,58 @@ impl<const CORNERS: usize, const N: usize> Outlines<CORNERS, N> {
         terms: &RayTerms<'_>,
         limit: f32,
     ) -> Meeting<V, V::Mask> {
+        let rays = Rays {
+            origin: Vectors::splat(simd, terms.ray.origin),
+            direction: Vectors::splat(simd, terms.ray.direction),
+            shear: Shear::new(simd, terms),
+            axes: terms.turned.axes,
+            limit: V::simd_from(simd, limit),
+        };
+        self.cast(simd, &EachLane, &rays)
+    }
+
+    /// As `Polygon::intersect`, one of the outlines and a ray a lane; all rays are closest to this axis.
+    #[inline(always)]
+    pub fn meet_rays<S: Simd, V: Lanes<S>>(
+        &self,
+        simd: S,
+        lane: usize,
+        terms: &Terms<V, V::Mask>,
+        axis: usize,
+        limit: V,
+    ) -> Meeting<V, V::Mask> {
+        let rays = Rays {
+            origin: terms.origin,
+            direction: terms.direction,
+            shear: Shear {
+                origin: terms.turned[0],
+                direction: terms.turned[1],
+            },
+            axes: AXES[axis],
+            limit,
+        };
+        self.cast(simd, &OneLane(lane), &rays)
+    }
+
+    /// As [`meet`](Self::meet), of rows as they are to be loaded.
+    #[inline(always)]
+    fn cast<S: Simd, V: Lanes<S>>(
+        &self,
+        simd: S,
+        row: &impl Load,
+        rays: &Rays<V>,
+    ) -> Meeting<V, V::Mask> {
         let zero = V::simd_from(simd, 0.0);
-        let shear = Shear::<V>::new(simd, terms);
+        let shear = &rays.shear;
         // The masks say what the compiler cannot see: that these are rows.
-        let [a, b, c] = terms.turned.axes;
+        let [a, b, c] = rays.axes;
         let (a, b, c) = (a & 3, b & 3, c & 3);
         let mut inside = V::Mask::splat(simd, false);
         let last = &self.corners[CORNERS - 1];
-        let mut from = shear.apply(simd, &last[a], &last[b], &last[c]);
+        let mut from = shear.place(row.vectors(simd, [&last[a], &last[b], &last[c]]));
         let mut from_is_above = from[1].simd_ge(zero);
         for corner in &self.corners {
-            let to = shear.apply(simd, &corner[a], &corner[b], &corner[c]);
+            let to = shear.place(row.vectors(simd, [&corner[a], &corner[b], &corner[c]]));
             let to_is_above = to[1].simd_ge(zero);
             inside ^= crosses(from, from_is_above, to, to_is_above);
             (from, from_is_above) = (to, to_is_above);
@@ -61,38 +102,36 @@ impl<const CORNERS: usize, const N: usize> Outlines<CORNERS, N> {
         if !inside.any_true() {
             return nothing(simd);
         }
-        let normal = Vectors {
-            x: V::from_slice(simd, &self.corners[0][3]),
-            y: V::from_slice(simd, &self.corners[1][3]),
-            z: V::from_slice(simd, &self.corners[2][3]),
-        };
-        let [x, y, z, _] = &self.corners[0];
-        let point = Vectors {
-            x: V::from_slice(simd, x),
-            y: V::from_slice(simd, y),
-            z: V::from_slice(simd, z),
-        };
-        let origin = Vectors::splat(simd, terms.ray.origin);
-        let rate = normal.dot(Vectors::splat(simd, terms.ray.direction));
-        let mut t = normal.dot(point - origin) / rate;
+        let [first, second, third] = [0, 1, 2].map(|it: usize| &self.corners[it]);
+        let normal = row.vectors(simd, [&first[3], &second[3], &third[3]]);
+        let point = row.vectors(simd, [&first[0], &first[1], &first[2]]);
+        let rate = normal.dot(rays.direction);
+        let mut t = normal.dot(point - rays.origin) / rate;
         let edge_on =
             rate.simd_lt(V::simd_from(simd, EDGE_ON)) & rate.simd_gt(V::simd_from(simd, -EDGE_ON));
         if (inside & edge_on).any_true() {
-            t = edge_on.select(self.clamped(simd, &shear, c, t), t);
+            t = edge_on.select(self.clamped(simd, row, shear, c, t), t);
         }
         Meeting {
             t,
-            met: inside & t.simd_gt(zero) & t.simd_lt(V::simd_from(simd, limit)),
+            met: inside & t.simd_gt(zero) & t.simd_lt(rays.limit),
         }
     }
 
     /// `t`, between the distances at which the ray is as deep as the nearest and farthest corner.
     #[inline(always)]
-    fn clamped<S: Simd, V: Lanes<S>>(&self, simd: S, shear: &Shear<V>, axis: usize, t: V) -> V {
-        let mut low = V::from_slice(simd, &self.corners[0][axis]);
+    fn clamped<S: Simd, V: Lanes<S>>(
+        &self,
+        simd: S,
+        row: &impl Load,
+        shear: &Shear<V>,
+        axis: usize,
+        t: V,
+    ) -> V {
+        let mut low: V = row.load(simd, &self.corners[0][axis]);
         let mut high = low;
         for corner in &self.corners[1..] {
-            let depth = V::from_slice(simd, &corner[axis]);
+            let depth: V = row.load(simd, &corner[axis]);
             low = low.min(depth);
             high = high.max(depth);
         }
@@ -100,6 +139,54 @@ impl<const CORNERS: usize, const N: usize> Outlines<CORNERS, N> {
         let (start, speed) = (shear.origin.z, shear.direction.z);
         let (low, high) = ((low - start) / speed, (high - start) / speed);
         between(t, low.min(high), low.max(high))
+    }
+}
+
+/// Rays, and what outlines ask about them.
+struct Rays<V> {
+    origin: Vectors<V>,
+    direction: Vectors<V>,
+    shear: Shear<V>,
+    /// As [`Turned::axes`](super::rays::Turned).
+    axes: [usize; 3],
+    limit: V,
+}
+
+/// How vectors come from rows of numbers.
+trait Load {
+    fn load<S: Simd, V: Lanes<S>, const N: usize>(&self, simd: S, row: &[f32; N]) -> V;
+
+    #[inline(always)]
+    fn vectors<S: Simd, V: Lanes<S>, const N: usize>(
+        &self,
+        simd: S,
+        [x, y, z]: [&[f32; N]; 3],
+    ) -> Vectors<V> {
+        Vectors {
+            x: self.load(simd, x),
+            y: self.load(simd, y),
+            z: self.load(simd, z),
+        }
+    }
+}
+
+/// A lane a number.
+struct EachLane;
+
+impl Load for EachLane {
+    #[inline(always)]
+    fn load<S: Simd, V: Lanes<S>, const N: usize>(&self, simd: S, row: &[f32; N]) -> V {
+        V::from_slice(simd, row)
+    }
+}
+
+/// One of the numbers, in all lanes.
+struct OneLane(usize);
+
+impl Load for OneLane {
+    #[inline(always)]
+    fn load<S: Simd, V: Lanes<S>, const N: usize>(&self, simd: S, row: &[f32; N]) -> V {
+        V::simd_from(simd, row[self.0 % N])
     }
 }
 
@@ -171,8 +258,8 @@ fn crosses<S: Simd, V: Lanes<S>>(
     b_is_above: V::Mask,
 ) -> V::Mask {
     let (upward, downward) = (ax * by, bx * ay);
-    let right = (a_is_above & downward.simd_gt(upward)) | (b_is_above & upward.simd_gt(downward));
-    (a_is_above ^ b_is_above) & right
+    let falls = a_is_above & !b_is_above & downward.simd_gt(upward);
+    falls | (b_is_above & !a_is_above & upward.simd_gt(downward))
 }
 
 /// One polygon of any size, whose edges are the lanes.

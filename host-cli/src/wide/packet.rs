@@ -505,7 +505,17 @@ impl<const N: usize> Tree<N> {
                         (objects.count(), count)
                     };
                     if by_rays <= by_objects {
-                        self.visit_objects(simd, parts, kind, index, terms, rays, limits, visit);
+                        self.visit_objects(
+                            simd,
+                            parts,
+                            kind,
+                            index,
+                            terms,
+                            bundle.axis,
+                            rays,
+                            limits,
+                            visit,
+                        );
                     } else {
                         self.visit_block(simd, kind, index, ordered, packet, rays, limits, visit);
                     }
@@ -538,6 +548,7 @@ impl<const N: usize> Tree<N> {
         kind: Kind,
         index: usize,
         terms: &TermsOf<S, <Self as Vector<S>>::Lanes>,
+        axis: usize,
         rays: u32,
         limits: &mut [f32; N],
         visit: &mut impl PacketVisit,
@@ -545,13 +556,21 @@ impl<const N: usize> Tree<N> {
         Self: Vector<S>,
     {
         type Of<S, T> = <T as Vector<S>>::Lanes;
-        let labels = self.all_blocks().labels(kind, index);
+        let blocks = self.all_blocks();
+        let labels = blocks.labels(kind, index);
         let mut each = Of::<S, Self>::from_slice(simd, limits);
         for (lane, &object) in labels.objects.iter().enumerate() {
             if object == u32::MAX {
                 break;
             }
-            let meeting = across::object(simd, parts, kind, object as usize, terms, each);
+            let meeting = match kind {
+                Kind::Triangle => {
+                    blocks.triangles.blocks[index].meet_rays(simd, lane, terms, axis, each)
+                }
+                Kind::Quad => blocks.quads.blocks[index].meet_rays(simd, lane, terms, axis, each),
+                _ => across::object(simd, parts, kind, object as usize, terms, each),
+            };
+            let meeting = terms.unless_left(simd, object as usize, meeting);
             let mut met = meeting.met.to_bitmask() as u32 & rays;
             if met == 0 {
                 continue;

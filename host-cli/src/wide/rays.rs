@@ -61,11 +61,13 @@ impl<'a> RayTerms<'a> {
     }
 }
 
+/// For each axis, all of them with that one last.
+pub const AXES: [[usize; 3]; 3] = [[1, 2, 0], [0, 2, 1], [0, 1, 2]];
+
 impl Turned {
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         // By a table, not by branches: where rays go all ways, those would be mispredicted.
-        const AXES: [[usize; 3]; 3] = [[1, 2, 0], [0, 2, 1], [0, 1, 2]];
         let axes = AXES[fastest(ray.direction)];
         let [x, y, z] = axes;
         let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
