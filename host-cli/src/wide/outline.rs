@@ -258,8 +258,11 @@ fn crosses<S: Simd, V: Lanes<S>>(
     b_is_above: V::Mask,
 ) -> V::Mask {
     let (upward, downward) = (ax * by, bx * ay);
-    let falls = a_is_above & !b_is_above & downward.simd_gt(upward);
-    falls | (b_is_above & !a_is_above & upward.simd_gt(downward))
+    let (more, less) = (
+        a_is_above.select(downward, upward),
+        a_is_above.select(upward, downward),
+    );
+    (a_is_above ^ b_is_above) & more.simd_gt(less)
 }
 
 /// One polygon of any size, whose edges are the lanes.
