@@ -10,8 +10,10 @@ use super::lanes::{Lanes, Vectors};
 use super::rays::{INVERTIBLE, Needs};
 use super::tree::{Tree, Vector};
 
-/// A vector a lane, a coordinate a row.
+/// A vector a lane, a coordinate a row, which no two lines of a cache share: else it would take twice as long
+/// to load or store.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub struct Rows<const N: usize>(pub [[f32; N]; 3]);
 
 impl<const N: usize> Rows<N> {
