@@ -38,7 +38,7 @@ impl<G: Geometry<Material = Material>> Peer for Ours<G> {
     }
 }
 
-/// All rays of a set in one call, which may cast neighbours together.
+/// All rays of a set in one call, which puts them in order where that helps, and casts neighbours together.
 struct Together<'a>(Wide<'a, Material>);
 
 impl Peer for Together<'_> {
