@@ -183,6 +183,51 @@ fn rays_that_part_have_the_bits_of_the_plain_slices() {
     }
 }
 
+/// A light so close to a point that its squared distance is zero: what it adds is no number, unless nothing is
+/// asked of it. The tracer asks where something shines, though nothing scatters.
+#[test]
+fn a_light_too_near_for_numbers_counts_as_in_the_plain_slices() {
+    let file = scene_file::toml::parse(
+        Path::new("near.toml"),
+        "ambient = [1, 1, 1]\n\
+         [camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 1\n\
+         [[light]]\nposition = [0, 0, 1]\n\
+         [material.shiny]\ndiffuse = 0\nspecular = 0.5\n\
+         [[plane]]\nmaterial = \"shiny\"\npoint = [0, 0, 0]\nnormal = [0.36, 0.48, 0.8]\n",
+    );
+    let file = file.unwrap();
+    let pool = Pool::new(&file);
+    let host = HostScene::new(&file, &pool).unwrap();
+    let scene = host.scene();
+    let view = host.camera(1, 1).unwrap().unwrap();
+    for threshold in [0.0, 0.001] {
+        let settings = Settings {
+            depth: 1,
+            threshold,
+        };
+        let pictures = [1e-25, 1.0].map(|near| {
+            let mut light = scene.lights[0];
+            light.position = Vec3::splat(near);
+            let lights = &[light];
+            let scene = Scene { lights, ..scene };
+            let plain = bits(&plainly(&scene, &view, settings).0);
+            for (name, level) in levels() {
+                let mut pixels = Vec::new();
+                let emit = |it: &[Vec3]| {
+                    pixels.extend_from_slice(it);
+                    Ok::<_, ()>(())
+                };
+                render_at(level, &scene, &view, 0..1, settings, keep, emit).unwrap();
+                assert_eq!(bits(&pixels), plain, "{name}, {threshold}, {near}");
+            }
+            plain
+        });
+        // No number is shown as black.
+        let is_black = pictures.map(|it| it == [[0; 3]]);
+        assert_eq!(is_black, [threshold == 0.0, false]);
+    }
+}
+
 #[test]
 fn sampled_pictures_have_the_bits_of_the_core_s_own() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();

@@ -593,12 +593,14 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let diffuse = V::from_slice(simd, &hits.diffuse) * (height * recip);
             let specular = V::from_slice(simd, &hits.specular);
             let peak = cos.simd_gt(zero).select(specular, zero);
-            let most = if job.threshold == 0.0 {
-                diffuse + peak
+            let weighs = if job.threshold == 0.0 {
+                // One may be no number.
+                diffuse.simd_gt(zero) | peak.simd_gt(zero)
             } else {
-                (diffuse + peak) * (weight.x + weight.y + weight.z)
+                let most = (diffuse + peak) * (weight.x + weight.y + weight.z);
+                most.simd_gt(V::simd_from(simd, job.threshold))
             };
-            let seen = above & most.simd_gt(V::simd_from(simd, job.threshold));
+            let seen = above & weighs;
             let lit = seen.to_bitmask() as u32 & hit;
             if lit == 0 {
                 continue;
