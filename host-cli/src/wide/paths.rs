@@ -94,3 +94,68 @@ impl Paths {
         (parted, order)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn path(pixel: u32, depth: u32) -> Path {
+        Path {
+            origin: Vec3::ZERO,
+            direction: Vec3::Z,
+            left: u32::MAX,
+            inward: false,
+            throughput: 1.0,
+            depth,
+            pixel,
+        }
+    }
+
+    #[test]
+    fn refracted_rays_of_a_pixel_come_last_in_first_out() {
+        let mut paths = Paths::of(3);
+        let take = |paths: &mut Paths, pixel| {
+            let path = paths.refracted(pixel)?;
+            assert_eq!(path.pixel, pixel);
+            Some(path.depth)
+        };
+        for (pixel, depth) in [(0, 1), (2, 2), (0, 3), (2, 4), (0, 5)] {
+            paths.refract(path(pixel, depth));
+        }
+        assert_eq!(take(&mut paths, 1), None);
+        assert_eq!(take(&mut paths, 0), Some(5));
+        assert_eq!(take(&mut paths, 2), Some(4));
+        // Into places that have become free, and one more.
+        for (pixel, depth) in [(1, 6), (2, 7), (1, 8)] {
+            paths.refract(path(pixel, depth));
+        }
+        assert_eq!(paths.refracted.len(), 6);
+        for (pixel, depth) in [(2, 7), (1, 8), (0, 3), (1, 6), (2, 2), (0, 1)] {
+            assert_eq!(take(&mut paths, pixel), Some(depth));
+        }
+        for pixel in 0..3 {
+            assert_eq!(take(&mut paths, pixel), None);
+        }
+        // All places are free again.
+        for depth in 0..6 {
+            paths.refract(path(1, depth));
+        }
+        assert_eq!(paths.refracted.len(), 6);
+    }
+
+    #[test]
+    fn parted_rays_are_gathered_once() {
+        let mut paths = Paths::of(2);
+        for (pixel, z) in [(0, -1.0), (1, 1.0)] {
+            let direction = Vec3::new(0.0, 0.0, z);
+            paths.part(Path {
+                direction,
+                ..path(pixel, 1)
+            });
+        }
+        let (parted, order) = paths.gather([Vec3::ZERO, Vec3::ONE]);
+        let pixels: Vec<_> = parted.iter().map(|it| it.pixel).collect();
+        assert_eq!((pixels, order), (vec![0, 1], vec![1, 0]));
+        assert!(paths.gather([Vec3::ZERO, Vec3::ONE]).0.is_empty());
+    }
+}
