@@ -342,13 +342,13 @@ struct Tile {
 struct Sizes {
     /// Of all but those at the right edge.
     width: u32,
-    /// A height's factor.
+    /// Heights are whole multiples of this, but for the last.
     rows: u32,
     /// The greatest height.
     most: u32,
 }
 
-/// Of tiles of every sort.
+/// How wide tiles of either sort are.
 const WIDTH: u32 = 128;
 
 /// Where each ray is traced alone.
@@ -358,7 +358,8 @@ const LONE: Sizes = Sizes {
     most: 1,
 };
 
-/// Where they are traced in groups. Rays that part are gathered from all of a tile: the more, the better.
+/// Where they are traced in groups. Rays that part are gathered from all of a tile: of 16 to 512 rows,
+/// 64 were the fastest.
 const IN_GROUPS: Sizes = Sizes {
     width: WIDTH,
     rows: HEIGHT as u32,

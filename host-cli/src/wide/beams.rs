@@ -83,7 +83,7 @@ impl<const N: usize> Beams<N> {
                 &padded
             }
         };
-        let ends = self.set(simd, all.each_ref(), |ray| {
+        let ends = self.take_rows(simd, all.each_ref(), |ray| {
             (ray.origin, ray.direction, ray.t_max)
         });
         ends.store_slice(&mut self.end);
@@ -113,7 +113,7 @@ impl<const N: usize> Beams<N> {
     /// Rows become whole before they are stored: in parts, they could not be loaded before the last had
     /// arrived.
     #[inline(always)]
-    pub fn set<S: Simd, V: Lanes<S>, T>(
+    pub fn take_rows<S: Simd, V: Lanes<S>, T>(
         &mut self,
         simd: S,
         all: [&T; N],

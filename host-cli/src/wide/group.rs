@@ -35,32 +35,40 @@ pub struct Hits<'a, const N: usize> {
     pub material: [Option<&'a Material>; N],
     pub point: Rows<N>,
     /// Unit normals on the objects' outward sides.
-    pub outward: Rows<N>,
+    outward: Rows<N>,
     /// The same, turned to the rays.
     pub normal: Rows<N>,
     /// A bit a lane: whether its ray came from outside.
     pub front: u32,
     /// The view's direction, mirrored.
-    pub mirrored: Rows<N>,
-    pub color: Rows<N>,
-    pub ambient: [f32; N],
-    pub diffuse: [f32; N],
-    pub specular: [f32; N],
-    pub shininess: [f32; N],
-    pub reflectance: [f32; N],
-    pub transmittance: [f32; N],
-    pub ior: [f32; N],
+    mirrored: Rows<N>,
+    color: Rows<N>,
+    ambient: [f32; N],
+    diffuse: [f32; N],
+    specular: [f32; N],
+    shininess: [f32; N],
+    reflectance: [f32; N],
+    transmittance: [f32; N],
+    ior: [f32; N],
+}
+
+/// Where a ray that has parted hits what it meets first.
+struct PartedHit {
+    /// The ray's place among those that have.
+    path: u32,
+    nearest: Nearest,
+    point: Vec3,
 }
 
 /// Some pixels of a picture, and the rays through them.
-pub struct Tile<'a> {
+pub struct Canvas<'a> {
     /// What has been added up of each pixel.
     pub pixels: &'a mut [Vec3],
-    pub paths: Paths,
     pub counters: Counters,
+    paths: Paths,
 }
 
-impl<'a> Tile<'a> {
+impl<'a> Canvas<'a> {
     pub fn new(pixels: &'a mut [Vec3]) -> Self {
         pixels.fill(Vec3::ZERO);
         Self {
@@ -71,16 +79,16 @@ impl<'a> Tile<'a> {
     }
 }
 
-/// As many pixels as there are lanes.
+/// As many rays as there are lanes, each for a pixel of its own.
 pub struct Group<'a, L, const N: usize> {
     job: Job<'a, L>,
     tree: &'a Tree<N>,
     /// Of each lane, what is being traced.
     pub beams: Beams<N>,
-    pub throughput: [f32; N],
-    pub depth: [u32; N],
-    /// The pixel's place in the tile.
-    pub pixel: [u32; N],
+    throughput: [f32; N],
+    depth: [u32; N],
+    /// The pixel's place in the canvas.
+    pixel: [u32; N],
     /// What has been added up of it.
     radiance: Rows<N>,
     pub hits: Hits<'a, N>,
@@ -127,34 +135,56 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         }
     }
 
+    /// Takes the rays from the eye through a pixel a lane; `pixel` are the places of these in the tile.
+    #[inline(always)]
+    pub fn start<S: Simd, V: Lanes<S>>(
+        &mut self,
+        simd: S,
+        eye: Vec3,
+        direction: Vectors<V>,
+        pixel: [u32; N],
+    ) where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        self.beams.origin.store(Vectors::<V>::splat(simd, eye));
+        self.beams.direction.store(direction);
+        self.beams.left = [u32::MAX; N];
+        self.beams.inward = 0;
+        self.throughput = [1.0; N];
+        self.depth = [1; N];
+        self.pixel = pixel;
+    }
+
     /// As `Tracer::radiance`, for the `active` lanes' rays, as long as they go the same way; what they meet
-    /// is added to their pixels in the tile, and the rest becomes its paths. `by_eye` says that the eye sends them.
+    /// is added to their pixels, and the rest becomes the canvas's paths. `by_eye` says that the eye sends them.
     #[inline(always)]
     pub fn trace<S: Simd, V: Lanes<S>>(
         &mut self,
         simd: S,
         active: u32,
         by_eye: bool,
-        tile: &mut Tile<'_>,
+        canvas: &mut Canvas<'_>,
     ) where
         Tree<N>: Vector<S, Lanes = V>,
     {
         let hit = self.nearest(simd, active);
-        self.go_on(simd, active, hit, by_eye, tile);
+        self.go_on(simd, active, hit, by_eye, canvas);
     }
 
     /// Traces the rays that have parted, and those that part from them, to the last.
     #[inline(always)]
-    pub fn trace_parted<S: Simd, V: Lanes<S>>(&mut self, simd: S, tile: &mut Tile<'_>)
+    pub fn trace_parted<S: Simd, V: Lanes<S>>(&mut self, simd: S, canvas: &mut Canvas<'_>)
     where
         Tree<N>: Vector<S, Lanes = V>,
     {
-        let bounds = self.tree.extent().bounds;
+        // Where there are no boxes, rays need nothing in common, and any order will do.
+        let boxes = self.job.geometry.bounds;
+        let bounds = boxes.unwrap_or_default();
         // Where such rays hit, they are gathered again, if several lights are then asked for there.
         let shadows = (self.job.lights.iter()).filter(|it| it.casts_shadows());
-        let regroups = self.job.geometry.few.is_none() && shadows.count() > 1;
+        let regroups = boxes.is_some() && shadows.count() > 1;
         loop {
-            let (parted, order) = tile.paths.gather(bounds);
+            let (parted, order) = canvas.paths.gather(bounds);
             if parted.is_empty() {
                 return;
             }
@@ -162,28 +192,32 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             for places in order.chunks(N) {
                 let active = self.follow_all(simd, &parted, places.iter().copied());
                 if !regroups {
-                    self.trace(simd, active, false, tile);
+                    self.trace(simd, active, false, canvas);
                     continue;
                 }
                 let hit = self.nearest_of_each(simd, active);
                 for lane in Set(hit) {
                     let (t, object) = (self.hits.t[lane], self.hits.object[lane]);
                     let point = self.beams.origin.get(lane) + self.beams.direction.get(lane) * t;
-                    hits.push((places[lane], Nearest { t, object }, point));
+                    hits.push(PartedHit {
+                        path: places[lane],
+                        nearest: Nearest { t, object },
+                        point,
+                    });
                 }
                 if hit != active {
-                    self.go_on(simd, active & !hit, 0, false, tile);
+                    self.go_on(simd, active & !hit, 0, false, canvas);
                 }
             }
-            let order = by_cells(hits.iter().map(|&(_, _, point)| point), bounds);
+            let order = by_cells(hits.iter().map(|hit| hit.point), bounds);
             for places in order.chunks(N) {
                 let hits = places.iter().map(|&place| &hits[place as usize]);
-                let hit = self.follow_all(simd, &parted, hits.clone().map(|&(path, _, _)| path));
-                for (lane, &(_, Nearest { t, object }, _)) in hits.enumerate() {
-                    (self.hits.t[lane], self.hits.object[lane]) = (t, object);
+                let hit = self.follow_all(simd, &parted, hits.clone().map(|hit| hit.path));
+                for (lane, PartedHit { nearest, .. }) in hits.enumerate() {
+                    (self.hits.t[lane], self.hits.object[lane]) = (nearest.t, nearest.object);
                 }
                 self.look_up_all(simd, hit);
-                self.go_on(simd, hit, hit, false, tile);
+                self.go_on(simd, hit, hit, false, canvas);
             }
         }
     }
@@ -196,7 +230,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         active: u32,
         mut hit: u32,
         mut by_eye: bool,
-        tile: &mut Tile<'_>,
+        canvas: &mut Canvas<'_>,
     ) where
         Tree<N>: Vector<S, Lanes = V>,
     {
@@ -206,17 +240,17 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             || {
                 for lane in Set(active) {
                     let pixel = self.pixel[lane] as usize;
-                    self.radiance.set(lane, tile.pixels[pixel]);
+                    self.radiance.set(lane, canvas.pixels[pixel]);
                 }
                 let mut rays = active;
                 loop {
-                    rays = self.shade(simd, rays, hit, by_eye, tile);
+                    rays = self.shade(simd, rays, hit, by_eye, canvas);
                     if rays == 0 {
                         break;
                     }
                     if !self.goes_together(simd, rays) {
                         for lane in Set(rays) {
-                            tile.paths.part(self.path(lane));
+                            canvas.paths.part(self.path(lane));
                         }
                         break;
                     }
@@ -224,7 +258,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                     by_eye = false;
                 }
                 for lane in Set(active) {
-                    tile.pixels[self.pixel[lane] as usize] = self.radiance.get(lane);
+                    canvas.pixels[self.pixel[lane] as usize] = self.radiance.get(lane);
                 }
             },
         );
@@ -239,7 +273,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         active: u32,
         hit: u32,
         by_eye: bool,
-        tile: &mut Tile<'_>,
+        canvas: &mut Canvas<'_>,
     ) -> u32
     where
         Tree<N>: Vector<S, Lanes = V>,
@@ -255,14 +289,14 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         }
         let mut going_on = 0;
         if hit != 0 {
-            tile.counters.hits += u64::from(hit.count_ones());
+            canvas.counters.hits += u64::from(hit.count_ones());
             self.surfaces(simd);
             self.finishes(hit);
-            self.direct(simd, hit, by_eye, &mut tile.counters);
-            going_on = self.children(simd, hit, tile);
+            self.direct(simd, hit, by_eye, &mut canvas.counters);
+            going_on = self.children(simd, hit, canvas);
         }
         for lane in Set(active & !going_on) {
-            if let Some(path) = tile.paths.refracted(self.pixel[lane]) {
+            if let Some(path) = canvas.paths.refracted(self.pixel[lane]) {
                 self.follow(lane, &path);
                 going_on |= 1 << lane;
             }
@@ -311,7 +345,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         self.follow_on(lane, path);
     }
 
-    /// As [`follow`](Self::follow), but for what is a row of numbers.
+    /// As [`follow`](Self::follow), but for origin, direction, and throughput.
     #[inline(always)]
     fn follow_on(&mut self, lane: usize, path: &Path) {
         self.beams.left[lane] = path.left;
@@ -332,12 +366,12 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         Tree<N>: Vector<S, Lanes = V>,
     {
         let active = u32::MAX >> (32 - places.len());
-        // Others are not looked at.
+        // Lanes without a path have any.
         let mut lanes = [&paths[0]; N];
         for (lane, place) in lanes.iter_mut().zip(places) {
             *lane = &paths[place as usize];
         }
-        let throughputs = self.beams.set(simd, lanes, |path| {
+        let throughputs = self.beams.take_rows(simd, lanes, |path| {
             (path.origin, path.direction, path.throughput)
         });
         throughputs.store_slice(&mut self.throughput);
@@ -734,7 +768,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
 
     /// As the tracer's `children`: which lanes go on with one of theirs.
     #[inline(always)]
-    fn children<S: Simd, V: Lanes<S>>(&mut self, simd: S, hit: u32, tile: &mut Tile<'_>) -> u32
+    fn children<S: Simd, V: Lanes<S>>(&mut self, simd: S, hit: u32, canvas: &mut Canvas<'_>) -> u32
     where
         Tree<N>: Vector<S, Lanes = V>,
     {
@@ -762,7 +796,7 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             match math::refract::<Exact>(direction, hits.normal.get(lane), eta) {
                 Some(direction) if weighs >> lane & 1 != 0 => {
                     refracted |= 1 << lane;
-                    tile.paths.refract(Path {
+                    canvas.paths.refract(Path {
                         origin: hits.point.get(lane),
                         direction,
                         left: hits.object[lane],
@@ -777,11 +811,11 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 None => hits.reflectance[lane] += hits.transmittance[lane],
             }
         }
-        tile.counters.refracted += u64::from(refracted.count_ones());
+        canvas.counters.refracted += u64::from(refracted.count_ones());
         let hits = &self.hits;
         let weight = throughput * V::from_slice(simd, &hits.reflectance);
         let reflected = weight.simd_gt(threshold).to_bitmask() as u32 & can;
-        tile.counters.reflected += u64::from(reflected.count_ones());
+        canvas.counters.reflected += u64::from(reflected.count_ones());
         if reflected == 0 {
             return 0;
         }
@@ -808,5 +842,102 @@ fn plus<S: Simd, V: Lanes<S>>(v: Vectors<V>, x: V) -> Vectors<V> {
         x: v.x + x,
         y: v.y + x,
         z: v.z + x,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use whitted::{Absorbing, Light, Mirror, Object, PhongReal, Polygon, Sphere};
+
+    use super::super::{Kinds, levels};
+    use super::*;
+    use crate::paint::Paint;
+
+    static MIRROR: Material = Material {
+        color: Paint::Plain(Vec3::ONE),
+        ambient: 0.0,
+        diffuse: 0.0,
+        highlight: PhongReal {
+            specular: 0.0,
+            shininess: 1.0,
+        },
+        reflection: Mirror { reflectance: 1.0 },
+        transmission: Absorbing {
+            tint: Vec3::ZERO,
+            ior: 1.0,
+            absorption: Vec3::ZERO,
+        },
+    };
+
+    /// How many rays part of a group that goes down towards some mirrors, spread by 17 degrees.
+    fn parted<const N: usize, S: Simd, V: Lanes<S>>(
+        simd: S,
+        geometry: &Wide<'_, Material>,
+        tree: &Tree<N>,
+        active: u32,
+    ) -> usize
+    where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        let job = Job::<Light> {
+            geometry,
+            lights: &[],
+            background: Vec3::ONE,
+            ambient: Vec3::ZERO,
+            depth: 2,
+            threshold: 0.0,
+        };
+        let mut pixels = [Vec3::ZERO; N];
+        let mut canvas = Canvas::new(&mut pixels);
+        let mut group = Group::new(job, tree);
+        let places: [f32; N] =
+            core::array::from_fn(|lane| 0.3 * (lane as f32 / (N - 1) as f32 - 0.5));
+        let mut direction = Vectors::<V>::splat(simd, Vec3::NEG_Y);
+        direction.x = V::from_slice(simd, &places);
+        let unit = direction * (V::simd_from(simd, 1.0) / direction.dot(direction).sqrt());
+        let pixel = core::array::from_fn(|lane| lane as u32);
+        group.start(simd, Vec3::Y, unit, pixel);
+        group.trace(simd, active, true, &mut canvas);
+        let (parted, order) = canvas.paths.gather([-Vec3::ONE, Vec3::ONE]);
+        assert_eq!(parted.len(), order.len());
+        group.trace_parted(simd, &mut canvas);
+        parted.len()
+    }
+
+    #[test]
+    fn rays_part_that_a_ball_mirrors_or_that_are_few() {
+        let balls = [Object {
+            shape: Sphere {
+                center: Vec3::ZERO,
+                radius: 0.6,
+            },
+            material: &MIRROR,
+        }];
+        let corners = [[-9.0, -9.0], [-9.0, 9.0], [9.0, 9.0], [9.0, -9.0]];
+        let corners = corners.map(|[x, z]| Vec3::new(x, 0.0, z));
+        let flat = [Object {
+            shape: Polygon::new(&corners).unwrap(),
+            material: &MIRROR,
+        }];
+        let of = |spheres, polygons| -> Kinds<'_, Material> {
+            (
+                spheres,
+                (
+                    &[],
+                    (polygons, (&[], (&[], (&[], (&[], (&[], &[] as &[_])))))),
+                ),
+            )
+        };
+        for (name, level) in levels() {
+            let rays_of = |kinds, active: u32| {
+                let wide = Wide::with_level(kinds, level);
+                with_tree!(&wide.tree, |tree, simd| parted(simd, &wide, tree, active))
+            };
+            let lanes = if name == "AVX-512" { 16 } else { 8 };
+            let all = u32::MAX >> (32 - lanes);
+            assert!(rays_of(of(&balls, &[]), all) > lanes / 2, "{name}");
+            assert_eq!(rays_of(of(&[], &flat), all), 0, "{name}");
+            assert_eq!(rays_of(of(&[], &flat), 0b1011), 3, "{name}");
+        }
     }
 }

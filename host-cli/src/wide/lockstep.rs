@@ -1,9 +1,10 @@
-//! `whitted::Tracer`, for as many pixels at once as a vector has lanes.
+//! `whitted::Tracer`, for as many rays at once as a vector has lanes.
 //!
-//! Every lane goes through the tracer's own loop and adds up its terms in its order, so that every pixel
-//! has its bits; all arithmetic of shading is by vectors, a lane a pixel. In scenes of few objects, so
-//! are all queries (`across`). In larger ones groups of rays go down the hierarchy together where they go
-//! about the same way, as those of neighbouring pixels and of their shadows do, and else one by one (`packet`).
+//! Of each pixel one ray is on its way at a time, and each is the one that the tracer would trace next: so
+//! every pixel adds up its terms in the tracer's order, and has its bits. All arithmetic of shading is by
+//! vectors, a lane a ray. In scenes of few objects, so are all queries (`across`). In larger ones groups of
+//! rays go down the hierarchy together where they go about the same way, as those of neighbouring pixels and
+//! of their shadows do, and else one by one (`packet`); what mirrors scatter is gathered anew (`paths`).
 
 use core::ops::Range;
 
@@ -13,7 +14,7 @@ use whitted::{Counters, Geometry, Hit, Light, LightSource, Ray, Vec3, View};
 
 use super::Wide;
 use super::beams::{Rows, Set};
-use super::group::{Group, Tile};
+use super::group::{Canvas, Group};
 use super::lanes::{Lanes, Vectors};
 use super::order::{by_cells, by_cells_and_ways};
 use super::tree::{Tree, Vector};
@@ -36,7 +37,11 @@ pub struct Job<'a, L> {
     pub threshold: f32,
 }
 
-/// Renders some rows and columns of a picture, from top to bottom, left to right, into `pixels`.
+/// Renders some rows and columns of a picture, from top to bottom, left to right, into the first of `pixels`.
+///
+/// # Panics
+///
+/// Where there are fewer `pixels` than that.
 pub fn tile<L: LightSource + Copy>(
     job: &Job<'_, L>,
     view: &View,
@@ -44,16 +49,16 @@ pub fn tile<L: LightSource + Copy>(
     columns: Range<u32>,
     pixels: &mut [Vec3],
 ) -> Counters {
-    let mut tile = Tile::new(pixels);
+    let mut canvas = Canvas::new(&mut pixels[..rows.len() * columns.len()]);
     with_tree!(&job.geometry.tree, |tree, simd| groups(
         simd,
         tree,
         job,
         view,
         [rows, columns],
-        &mut tile
+        &mut canvas
     ));
-    tile.counters
+    canvas.counters
 }
 
 /// As [`Geometry::closest_hit`] of each ray; fastest where neighbours go about the same way. Calls `meet`
@@ -80,9 +85,13 @@ fn order(geometry: &Wide<'_, Material>, rays: &[Ray]) -> Option<Vec<u32>> {
     // Fewer have too little in common.
     const ENOUGH: usize = 4096;
     let bounds = (geometry.bounds).filter(|_| geometry.is_far && rays.len() >= ENOUGH)?;
-    // Rays of one camera come in a good order.
-    let is_camera = rays.iter().all(|ray| ray.origin == rays[0].origin);
-    (!is_camera).then(|| by_cells_and_ways(rays, bounds))
+    (!start_together(rays)).then(|| by_cells_and_ways(rays, bounds))
+}
+
+/// Whether rays all have one origin, as those of a camera, which come in a good order, or those that a light
+/// sends, which cells would not part.
+fn start_together(rays: &[Ray]) -> bool {
+    rays.iter().all(|ray| ray.origin == rays[0].origin)
 }
 
 /// Rays are put in order in parts.
@@ -141,21 +150,23 @@ fn each_hit<'a, S: Simd, V: Lanes<S>, const N: usize>(
 /// As [`Geometry::transmittance`] of each ray, where that is the same for all channels; fastest where many go
 /// about the same way. Of rays and places for answers, what there is more of is left alone.
 pub fn transmittances(geometry: &Wide<'_, Material>, rays: &[Ray], passed: &mut [f32]) {
-    // Rays towards a light have much in common with others that start near them; a few rows of a picture
-    // have most of those, unless memory is far.
+    // So few are cast in less time than others are put in order.
     const FEW: usize = 64;
-    const NEAR: usize = 4096;
-    const FAR: usize = 16 * NEAR;
+    // Rays towards a light have much in common with others that start near them. A few rows of a picture have
+    // most of those; where memory is far, each that comes later fetches again what has left the caches.
+    const ROWS: usize = 4096;
+    const PICTURE: usize = 16 * ROWS;
     let rays = &rays[..rays.len().min(passed.len())];
     let cast = |rays: &[Ray], passed: &mut [f32]| {
         with_tree!(&geometry.tree, |tree, simd| each_transmittance(
             simd, tree, geometry, rays, passed
         ));
     };
-    let Some(bounds) = geometry.bounds.filter(|_| rays.len() > FEW) else {
+    let bounds = (geometry.bounds).filter(|_| rays.len() > FEW && !start_together(rays));
+    let Some(bounds) = bounds else {
         return cast(rays, passed);
     };
-    let window = if geometry.is_far { FAR } else { NEAR };
+    let window = if geometry.is_far { PICTURE } else { ROWS };
     let mut part = [0.0; AT_A_TIME];
     for (rays, passed) in rays.chunks(window).zip(passed.chunks_mut(window)) {
         let order = by_cells(rays.iter().map(|ray| ray.origin), bounds);
@@ -211,7 +222,7 @@ fn groups<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
     job: &Job<'_, L>,
     view: &View,
     [rows, columns]: [Range<u32>; 2],
-    tile: &mut Tile<'_>,
+    canvas: &mut Canvas<'_>,
 ) where
     Tree<N>: Vector<S, Lanes = V>,
 {
@@ -238,26 +249,20 @@ fn groups<S: Simd, V: Lanes<S>, L: LightSource + Copy, const N: usize>(
             }
             let to_pixel = start.load(simd) + step * (V::from_slice(simd, &places) + half);
             let direction = to_pixel * (one / to_pixel.dot(to_pixel).sqrt());
-            let eye = Vectors::<V>::splat(simd, camera.eye);
-            group.beams.origin.store(eye);
-            group.beams.direction.store(direction);
-            group.beams.left = [u32::MAX; N];
-            group.beams.inward = 0;
-            group.throughput = [1.0; N];
-            group.depth = [1; N];
-            let mut active = 0;
-            for lane in 0..N {
+            let (mut active, mut pixel) = (0, [0; N]);
+            for (lane, pixel) in pixel.iter_mut().enumerate() {
                 let (row, column) = (lane / across, left + lane % across);
                 let is_within = row < height && column < width;
                 active |= u32::from(is_within) << lane;
-                group.pixel[lane] = (first + row * width + column) as u32;
+                *pixel = (first + row * width + column) as u32;
             }
-            tile.counters.primary += u64::from(active.count_ones());
-            group.trace(simd, active, true, tile);
+            group.start(simd, camera.eye, direction, pixel);
+            canvas.counters.primary += u64::from(active.count_ones());
+            group.trace(simd, active, true, canvas);
         }
     }
-    group.trace_parted(simd, tile);
-    for pixel in &mut *tile.pixels {
+    group.trace_parted(simd, canvas);
+    for pixel in &mut *canvas.pixels {
         *pixel = pixel.map(math::positive);
     }
 }
