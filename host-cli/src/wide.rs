@@ -71,6 +71,7 @@ mod nodes;
 mod order;
 mod outline;
 mod packet;
+mod pairs;
 mod parts;
 mod paths;
 mod power;

@@ -69,6 +69,14 @@ impl<'a, M: Finish> Few<'a, M> {
     }
 }
 
+impl<M> Few<'_, M> {
+    /// Whether only its kernel knows an object's normal, though that is flat.
+    #[inline(always)]
+    pub fn is_patch(&self, place: usize) -> bool {
+        self.kernels[place] == Kernel::Patch
+    }
+}
+
 /// A place as a number that equals no other place's, nor itself where it is `u32::MAX`.
 #[inline(always)]
 fn number(place: u32) -> f32 {
@@ -83,9 +91,9 @@ pub const PLACES: usize = 1 << 23;
 #[derive(Clone, Debug)]
 pub struct Near {
     /// For each object, a bit a lane.
-    lanes: Vec<u32>,
+    pub lanes: Vec<u32>,
     /// For each 32 objects, a bit an object of which there is such a lane.
-    objects: Vec<u32>,
+    pub objects: Vec<u32>,
 }
 
 impl Near {
@@ -137,8 +145,20 @@ impl Near {
     /// The objects, in order.
     #[inline(always)]
     fn objects(&self) -> impl Iterator<Item = usize> {
-        let words = (0..).step_by(32).zip(&self.objects);
-        words.flat_map(|(first, &word)| Set(word).map(move |i| first + i))
+        let words = self.words();
+        words.flat_map(|(first, word)| Set(word).map(move |i| first + i))
+    }
+
+    /// A bit an object, by 32, and the place of the first of these.
+    #[inline(always)]
+    pub fn words(&self) -> impl Iterator<Item = (usize, u32)> {
+        (0..).step_by(32).zip(self.objects.iter().copied())
+    }
+
+    /// Whether there is no object.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.objects.iter().all(|&it| it == 0)
     }
 }
 

@@ -618,14 +618,22 @@ impl Owned {
         }
         rays
     }
+
+    /// Rays that all go their own ways.
+    fn strewn(&self, random: &mut Random) -> Vec<Ray> {
+        (0..40).map(|_| self.ray(random)).collect()
+    }
 }
+
+/// Some rays into a scene.
+type Rays = fn(&Owned, &mut Random) -> Vec<Ray>;
 
 /// Whether rays together are answered as the kernels do, by all levels; how many rays hit and how many are
 /// dimmed, by the one of which those are the fewest.
 fn compare_together(
     scene: &Owned,
     flat: usize,
-    bundles: usize,
+    (bundles, bundle): (usize, Rays),
     random: &mut Random,
     wanted: impl Fn(&Wide<'_, Material>, &Ray) -> bool,
 ) -> [u32; 2] {
@@ -635,7 +643,7 @@ fn compare_together(
         let wide = Wide::with(kinds, level, flat);
         let [mut met, mut dimmed] = [0, 0];
         for _ in 0..bundles {
-            let mut rays = scene.bundle(random);
+            let mut rays = bundle(scene, random);
             rays.retain(|ray| wanted(&wide, ray));
             let mut hits = vec![None; rays.len()];
             let mut passed = vec![f32::NAN; rays.len()];
@@ -675,22 +683,64 @@ fn rays_together_are_answered_as_the_kernels_do() {
     for style in STYLES {
         let mut scene = Owned::new(style, &mut random);
         for flat in [0, usize::MAX] {
-            let [met, dimmed] = compare_together(&scene, flat, 200, &mut random, |_, _| true);
+            let [met, dimmed] =
+                compare_together(&scene, flat, (200, Owned::bundle), &mut random, |_, _| true);
             assert!(met > 400 && dimmed > 20, "{style:?}: {met}, {dimmed}");
         }
         // Without the odd rays, each of which keeps its group from being cast as one.
         let regular = |wide: &Wide<'_, Material>, ray: &Ray| wide.takes_this(ray);
-        let [met, _] = compare_together(&scene, 0, 100, &mut random, regular);
+        let [met, _] = compare_together(&scene, 0, (100, Owned::bundle), &mut random, regular);
         assert!(met > 200, "{style:?}: {met}");
         // And without objects that every ray is cast into apart, what it leaves among them.
         scene.tame();
         scene.planes.clear();
-        let [met, dimmed] = compare_together(&scene, 0, 200, &mut random, regular);
+        let [met, dimmed] = compare_together(&scene, 0, (200, Owned::bundle), &mut random, regular);
         assert!(met > 400 && dimmed > 20, "{style:?}: {met}, {dimmed}");
         // Where light weakens on its way.
         scene.spheres[0].material = &FOG;
-        let [met, dimmed] = compare_together(&scene, 0, 100, &mut random, regular);
+        let [met, dimmed] = compare_together(&scene, 0, (100, Owned::bundle), &mut random, regular);
         assert!(met > 200 && dimmed > 20, "{style:?}: {met}, {dimmed}");
+    }
+}
+
+/// Rays that have little in common, among few objects: they meet most in pairs.
+#[test]
+fn pairs_are_answered_as_the_kernels_do() {
+    let mut random = Random(0x6a09_e667_f3bc_c908);
+    for style in STYLES {
+        let mut scene = Owned::new(
+            Style {
+                each: 9,
+                odd: false,
+                ..style
+            },
+            &mut random,
+        );
+        // Ties, with others of the kind and of another.
+        twins(&mut random, &mut scene.triangles);
+        twins(&mut random, &mut scene.cuboids);
+        let shape = scene.patches[0].shape;
+        scene.triangles[1].shape = Triangle::new(shape.vertices).unwrap();
+        // Of these, not all would be tested.
+        scene.quadrics.clear();
+        scene.tori.clear();
+        let strewn: (_, Rays) = (100, Owned::strewn);
+        let regular = |wide: &Wide<'_, Material>, ray: &Ray| {
+            assert!(wide.few.is_some());
+            wide.takes_this(ray)
+        };
+        let [met, dimmed] = compare_together(&scene, usize::MAX, strewn, &mut random, regular);
+        assert!(met > 400 && dimmed > 20, "{style:?}: {met}, {dimmed}");
+        // One that leaves an object and may meet it again keeps its group from that.
+        let free =
+            |wide: &Wide<'_, Material>, ray: &Ray| regular(wide, ray) && ray.departure.is_none();
+        let [met, _] = compare_together(&scene, usize::MAX, strewn, &mut random, free);
+        assert!(met > 200, "{style:?}: {met}");
+        // And without those that all rays are cast into.
+        scene.planes.clear();
+        scene.frusta.clear();
+        let [met, _] = compare_together(&scene, usize::MAX, strewn, &mut random, free);
+        assert!(met > 200, "{style:?}: {met}");
     }
 }
 
@@ -769,11 +819,18 @@ fn rays_across_the_lanes_are_answered_as_the_kernels_do() {
             assert!(wide.few.is_some());
             wide.takes_this(ray)
         };
-        let [met, dimmed] = compare_together(&scene, usize::MAX, 100, &mut random, wanted);
+        let [met, dimmed] = compare_together(
+            &scene,
+            usize::MAX,
+            (100, Owned::bundle),
+            &mut random,
+            wanted,
+        );
         assert!(met > 400 && dimmed > 40, "{style:?}: {met}, {dimmed}");
         // Where light weakens on its way.
         scene.planes[0].material = &FOG;
-        let [met, dimmed] = compare_together(&scene, usize::MAX, 50, &mut random, wanted);
+        let [met, dimmed] =
+            compare_together(&scene, usize::MAX, (50, Owned::bundle), &mut random, wanted);
         assert!(met > 200 && dimmed > 40, "{style:?}: {met}, {dimmed}");
     }
 }

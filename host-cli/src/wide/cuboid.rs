@@ -60,6 +60,38 @@ impl<const N: usize> Cuboids<N> {
     }
 }
 
+impl<const N: usize> Cuboids<N> {
+    /// As `Cuboid::intersect` and `Cuboid::normal`, of each pair the block's lane, by the places of its bytes, and a
+    /// ray, which does not go along the planes across an axis.
+    #[inline(always)]
+    pub fn meet_pairs<S: Simd, V: Lanes<S>>(
+        &self,
+        simd: S,
+        lanes: V,
+        origin: Vectors<V>,
+        reciprocal: Vectors<V>,
+        limit: V,
+    ) -> (Meeting<V, V::Mask>, Vectors<V>) {
+        let [x, y, z] = &self.bounds;
+        let min = Vectors {
+            x: V::from_slice(simd, &x[0]),
+            y: V::from_slice(simd, &y[0]),
+            z: V::from_slice(simd, &z[0]),
+        };
+        let max = Vectors {
+            x: V::from_slice(simd, &x[1]),
+            y: V::from_slice(simd, &y[1]),
+            z: V::from_slice(simd, &z[1]),
+        };
+        let to_min = (min.pick(lanes) - origin) * reciprocal;
+        let to_max = (max.pick(lanes) - origin) * reciprocal;
+        let meeting = meet_planes(simd, to_min, to_max, limit);
+        let none = V::Mask::splat(simd, false);
+        let normals = faces(simd, to_min, to_max, [none; 3], meeting.t);
+        (meeting, normals)
+    }
+}
+
 /// Where a ray is within boxes, as far as they have been looked at.
 struct Inside<V, M> {
     entry: V,
@@ -140,17 +172,7 @@ pub fn meet_rays<S: Simd, V: Lanes<S>>(
     let min = Vectors::<V>::splat(simd, shape.min);
     let max = Vectors::<V>::splat(simd, shape.max);
     if !terms.any_along {
-        // Rounding is monotonic: what comes first is the lesser product.
-        let (to_min, to_max) = ((min - o) * r, (max - o) * r);
-        let near = |a: V, b: V| a.min(b);
-        let far = |a: V, b: V| a.max(b);
-        entry = near(to_min.x, to_max.x)
-            .max(near(to_min.y, to_max.y))
-            .max(near(to_min.z, to_max.z));
-        exit = far(to_min.x, to_max.x)
-            .min(far(to_min.y, to_max.y))
-            .min(far(to_min.z, to_max.z));
-        return within(simd, entry, exit, entry.simd_le(exit), limit);
+        return meet_planes(simd, (min - o) * r, (max - o) * r, limit);
     }
     for (o, d, r, min, max) in [
         (o.x, d.x, r.x, min.x, max.x),
@@ -166,6 +188,27 @@ pub fn meet_rays<S: Simd, V: Lanes<S>>(
         met &= !along | (to_min.simd_le(zero) & to_max.simd_ge(zero));
     }
     within(simd, entry, exit, met & entry.simd_le(exit), limit)
+}
+
+/// As `Cuboid::intersect`, from the distances to the lower and the upper bounds, of rays that do not go along the
+/// planes across an axis.
+#[inline(always)]
+fn meet_planes<S: Simd, V: Lanes<S>>(
+    simd: S,
+    to_min: Vectors<V>,
+    to_max: Vectors<V>,
+    limit: V,
+) -> Meeting<V, V::Mask> {
+    // Rounding is monotonic: what comes first is the lesser product.
+    let near = |a: V, b: V| a.min(b);
+    let far = |a: V, b: V| a.max(b);
+    let entry = near(to_min.x, to_max.x)
+        .max(near(to_min.y, to_max.y))
+        .max(near(to_min.z, to_max.z));
+    let exit = far(to_min.x, to_max.x)
+        .min(far(to_min.y, to_max.y))
+        .min(far(to_min.z, to_max.z));
+    within(simd, entry, exit, entry.simd_le(exit), limit)
 }
 
 /// The first of the points at which a ray enters and leaves that lies between its ends.
@@ -193,17 +236,29 @@ pub fn normals<S: Simd, V: Lanes<S>>(
     terms: &Terms<V, V::Mask>,
     t: V,
 ) -> Vectors<V> {
-    let (zero, one) = (V::simd_from(simd, 0.0), V::simd_from(simd, 1.0));
+    let zero = V::simd_from(simd, 0.0);
     let (o, d, r) = (terms.origin, terms.direction, terms.reciprocal);
     let to_min = (Vectors::splat(simd, shape.min) - o) * r;
     let to_max = (Vectors::splat(simd, shape.max) - o) * r;
-    let on = |near: V, far: V, d: V| {
-        let turned = !d.simd_eq(zero);
-        (near.simd_eq(t) & turned, far.simd_eq(t) & turned)
-    };
-    let (left, right) = on(to_min.x, to_max.x, d.x);
-    let (bottom, top) = on(to_min.y, to_max.y, d.y);
-    let (back, _) = on(to_min.z, to_max.z, d.z);
+    let along = [d.x.simd_eq(zero), d.y.simd_eq(zero), d.z.simd_eq(zero)];
+    faces(simd, to_min, to_max, along, t)
+}
+
+/// The normals of the faces at `t`, from the distances to the lower and the upper bounds, and which rays go along
+/// the planes across each axis.
+#[inline(always)]
+fn faces<S: Simd, V: Lanes<S>>(
+    simd: S,
+    to_min: Vectors<V>,
+    to_max: Vectors<V>,
+    along: [V::Mask; 3],
+    t: V,
+) -> Vectors<V> {
+    let (zero, one) = (V::simd_from(simd, 0.0), V::simd_from(simd, 1.0));
+    let on = |near: V, far: V, along: V::Mask| (near.simd_eq(t) & !along, far.simd_eq(t) & !along);
+    let (left, right) = on(to_min.x, to_max.x, along[0]);
+    let (bottom, top) = on(to_min.y, to_max.y, along[1]);
+    let (back, _) = on(to_min.z, to_max.z, along[2]);
     // The first that is met, or the last.
     let face = |lower: V::Mask, upper: V| lower.select(-one, upper);
     let sideways = left | right;

@@ -6,7 +6,7 @@ use whitted::math::{self, Transmittance};
 use whitted::{Candidates, Counters, Exact, Geometry, LightSource, Ray, Vec3};
 
 use super::Wide;
-use super::across::{self, Near, Terms};
+use super::across::{self, Few, Near, Terms};
 use super::beams::{Beams, Rows, Set};
 use super::blocks::Kind;
 use super::frustum;
@@ -14,6 +14,7 @@ use super::lanes::{Lanes, Vectors, mask_of};
 use super::lockstep::Job;
 use super::order::by_cells;
 use super::packet::{LightOfEach, NearestOfEach, Packet};
+use super::pairs::Pairs;
 use super::paths::{Path, Paths};
 use super::power::powers;
 use super::tree::{Nearest, Search, Tree, Vector};
@@ -96,6 +97,8 @@ pub struct Group<'a, L, const N: usize> {
     pub shadows: Beams<N>,
     /// Of few objects, which to look at.
     near: Near,
+    /// And which of them with few rays.
+    pairs: Pairs<N>,
     /// For each light an object that was seen to hide it from what the eye sees, and one that hid it from
     /// what mirrors show; `u32::MAX` for none.
     occluders: Vec<[u32; 2]>,
@@ -103,6 +106,8 @@ pub struct Group<'a, L, const N: usize> {
 
 impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
     pub fn new(job: Job<'a, L>, tree: &'a Tree<N>) -> Self {
+        let few = job.geometry.few.as_ref();
+        let few = few.map_or(0, |it| it.materials.len());
         Self {
             job,
             tree,
@@ -130,7 +135,8 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
                 ior: [1.0; N],
             },
             shadows: Beams::NONE,
-            near: Near::new(job.geometry.few.as_ref().map_or(0, |it| it.materials.len())),
+            near: Near::new(few),
+            pairs: Pairs::new(tree.flat_blocks(), few),
             occluders: vec![[u32::MAX; 2]; job.lights.len()],
         }
     }
@@ -401,6 +407,15 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
             let ends = V::from_slice(simd, &self.beams.end);
             let limit = V::Mask::from_bitmask(simd, active.into())
                 .select(ends, V::simd_from(simd, f32::NEG_INFINITY));
+            // An object that a ray may meet again is not met in pairs, nor a box by rays along its faces.
+            if active & returning == 0
+                && !terms.any_along
+                && self.pairs.find(self.tree.flat_blocks(), &self.near)
+            {
+                let (hit, unknown) = self.nearest_in_pairs(simd, few, &terms, limit, active);
+                self.look_up(unknown);
+                return hit;
+            }
             let found = across::nearest(simd, parts, few, &self.near, &terms, &self.beams, limit);
             let hit = active & found.t.simd_lt(ends).to_bitmask() as u32;
             if hit == 0 {
@@ -420,6 +435,65 @@ impl<'a, L: LightSource + Copy, const N: usize> Group<'a, L, N> {
         let hit = self.nearest_of_each(simd, active);
         self.look_up_all(simd, hit);
         hit
+    }
+
+    /// As [`nearest`](Self::nearest), of few objects, with those in [`pairs`](super::pairs) that were found; and of
+    /// which lanes the kernels have to say the normal.
+    #[inline(always)]
+    fn nearest_in_pairs<S: Simd, V: Lanes<S>>(
+        &mut self,
+        simd: S,
+        few: &Few<'a, Material>,
+        terms: &Terms<V, V::Mask>,
+        limit: V,
+        active: u32,
+    ) -> (u32, u32)
+    where
+        Tree<N>: Vector<S, Lanes = V>,
+    {
+        // With AVX a function of its own: what is here is not to take the registers of what is not.
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let (hits, near, beams) = (&mut self.hits, &mut self.near, &self.beams);
+                let mut nearest = [Nearest::before(0.0); N];
+                for (nearest, &end) in nearest.iter_mut().zip(&beams.end) {
+                    nearest.t = end;
+                }
+                let (blocks, outward) = (self.tree.flat_blocks(), &mut hits.outward);
+                (self.pairs).cast(simd, blocks, near, terms, beams, &mut nearest, outward);
+                let mut unknown = 0;
+                if !near.is_empty() {
+                    let parts = &self.job.geometry.parts;
+                    let found = across::nearest(simd, parts, few, near, terms, beams, limit);
+                    let met = found.t.simd_lt(limit).to_bitmask() as u32 & active;
+                    let (mut t, mut places) = ([0.0; N], [0.0; N]);
+                    found.t.store_slice(&mut t);
+                    found.object.store_slice(&mut places);
+                    let mut normals = Rows::<N>::ZERO;
+                    normals.store(found.outward);
+                    for lane in Set(met) {
+                        let object = places[lane].to_bits() % across::PLACES as u32;
+                        nearest[lane].offer(t[lane], object);
+                        if nearest[lane].object == object {
+                            hits.outward.set(lane, normals.get(lane));
+                            unknown |= found.unknown & 1 << lane;
+                        }
+                    }
+                }
+                let mut hit = 0;
+                for lane in Set(active) {
+                    let Nearest { t, object } = nearest[lane];
+                    (hits.t[lane], hits.object[lane]) = (t, object);
+                    if let Some(&material) = few.materials.get(object as usize) {
+                        hit |= 1 << lane;
+                        hits.material[lane] = Some(material);
+                        unknown |= u32::from(few.is_patch(object as usize)) << lane;
+                    }
+                }
+                (hit, unknown)
+            },
+        )
     }
 
     /// As [`nearest`](Self::nearest), but for what is there.

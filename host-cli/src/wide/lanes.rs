@@ -9,7 +9,13 @@ use fearless_simd::{Select, Simd, SimdFloat, SimdMask};
 use glam::Vec3;
 
 /// A vector of `f32` at some SIMD level.
-pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}
+pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {
+    /// In each lane the number of another one, by the places of whose bytes each is given.
+    #[inline(always)]
+    fn pick(self, places: Self) -> Self {
+        self.swizzle_dyn(places.to_bytes())
+    }
+}
 
 impl<S: Simd, V: SimdFloat<S, Element = f32>> Lanes<S> for V {}
 
@@ -45,6 +51,19 @@ impl<V> Vectors<V> {
             x: V::from_slice(simd, &rows[0]),
             y: V::from_slice(simd, &rows[1]),
             z: V::from_slice(simd, &rows[2]),
+        }
+    }
+
+    /// As [`Lanes::pick`], of each coordinate.
+    #[inline(always)]
+    pub fn pick<S: Simd>(self, places: V) -> Self
+    where
+        V: Lanes<S>,
+    {
+        Self {
+            x: self.x.pick(places),
+            y: self.y.pick(places),
+            z: self.z.pick(places),
         }
     }
 

@@ -7,7 +7,7 @@ use fearless_simd::{Select, Simd, SimdMask};
 use glam::Vec3;
 
 use super::across::{Terms, turn};
-use super::lanes::{Lanes, Meeting, Vectors, nothing};
+use super::lanes::{Lanes, Meeting, Vectors, fastest_of_each, nothing};
 use super::rays::{AXES, RayTerms};
 
 /// `N` outlines of `CORNERS` vertices, filled even-odd.
@@ -139,6 +139,41 @@ impl<const CORNERS: usize, const N: usize> Outlines<CORNERS, N> {
         let (start, speed) = (shear.origin.z, shear.direction.z);
         let (low, high) = ((low - start) / speed, (high - start) / speed);
         between(t, low.min(high), low.max(high))
+    }
+}
+
+impl<const CORNERS: usize, const N: usize> Outlines<CORNERS, N> {
+    /// As `Polygon::intersect`, of each pair the block's lane, by the places of its bytes, and a ray; and the
+    /// normals of the planes.
+    #[inline(always)]
+    pub fn meet_pairs<S: Simd, V: Lanes<S>>(
+        &self,
+        simd: S,
+        lanes: V,
+        origin: Vectors<V>,
+        direction: Vectors<V>,
+        limit: V,
+    ) -> (Meeting<V, V::Mask>, Vectors<V>) {
+        let axes = fastest_of_each(direction);
+        let rays = RaysOfEach {
+            origin,
+            direction,
+            axes,
+            turned: [turn(axes, origin), turn(axes, direction)],
+            limit,
+        };
+        let [a, b, c] = [0, 1, 2].map(|it: usize| &self.corners[it][3]);
+        let normal = Vectors {
+            x: V::from_slice(simd, a),
+            y: V::from_slice(simd, b),
+            z: V::from_slice(simd, c),
+        };
+        let corners = Picked {
+            rows: &self.corners,
+            lanes,
+        };
+        let normal = normal.pick(lanes);
+        (meet_corners(simd, &corners, normal, &rays), normal)
     }
 }
 
@@ -375,44 +410,119 @@ pub fn meet_rays<S: Simd, V: Lanes<S>>(
     terms: &Terms<V, V::Mask>,
     limit: V,
 ) -> Meeting<V, V::Mask> {
-    let zero = V::simd_from(simd, 0.0);
-    let (Some(&point), Some(&last)) = (vertices.first(), vertices.last()) else {
+    if vertices.is_empty() {
         return nothing(simd);
+    }
+    let rays = RaysOfEach {
+        origin: terms.origin,
+        direction: terms.direction,
+        axes: terms.axes,
+        turned: terms.turned,
+        limit,
     };
-    let normal = Vectors::<V>::splat(simd, normal);
-    let rate = normal.dot(terms.direction);
-    let mut t = normal.dot(Vectors::splat(simd, point) - terms.origin) / rate;
+    meet_corners(simd, vertices, Vectors::splat(simd, normal), &rays)
+}
+
+/// As [`Rays`], each closest to an axis of its own.
+struct RaysOfEach<V, M> {
+    origin: Vectors<V>,
+    direction: Vectors<V>,
+    /// As [`Terms::axes`], and [`Terms::turned`].
+    axes: [M; 2],
+    turned: [Vectors<V>; 2],
+    limit: V,
+}
+
+/// The corners of an outline a lane.
+trait Corners<S: Simd, V: Lanes<S>> {
+    /// How many there are; not zero.
+    fn count(&self) -> usize;
+
+    fn get(&self, simd: S, corner: usize) -> Vectors<V>;
+}
+
+/// The same outline in each lane.
+impl<S: Simd, V: Lanes<S>> Corners<S, V> for [Vec3] {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    #[inline(always)]
+    fn get(&self, simd: S, corner: usize) -> Vectors<V> {
+        Vectors::splat(simd, self[corner])
+    }
+}
+
+/// In each lane one of a block's.
+struct Picked<'a, V, const CORNERS: usize, const N: usize> {
+    rows: &'a [[[f32; N]; 4]; CORNERS],
+    lanes: V,
+}
+
+impl<S: Simd, V: Lanes<S>, const CORNERS: usize, const N: usize> Corners<S, V>
+    for Picked<'_, V, CORNERS, N>
+{
+    #[inline(always)]
+    fn count(&self) -> usize {
+        CORNERS
+    }
+
+    #[inline(always)]
+    fn get(&self, simd: S, corner: usize) -> Vectors<V> {
+        let [x, y, z, _] = &self.rows[corner];
+        let corner = Vectors {
+            x: V::from_slice(simd, x),
+            y: V::from_slice(simd, y),
+            z: V::from_slice(simd, z),
+        };
+        corner.pick(self.lanes)
+    }
+}
+
+/// As `Polygon::intersect`, an outline and a ray a lane.
+#[inline(always)]
+fn meet_corners<S: Simd, V: Lanes<S>>(
+    simd: S,
+    corners: &(impl Corners<S, V> + ?Sized),
+    normal: Vectors<V>,
+    rays: &RaysOfEach<V, V::Mask>,
+) -> Meeting<V, V::Mask> {
+    let zero = V::simd_from(simd, 0.0);
+    let rate = normal.dot(rays.direction);
+    let mut t = normal.dot(corners.get(simd, 0) - rays.origin) / rate;
     let edge_on =
         rate.simd_lt(V::simd_from(simd, EDGE_ON)) & rate.simd_gt(V::simd_from(simd, -EDGE_ON));
-    if !(edge_on | (t.simd_gt(zero) & t.simd_lt(limit))).any_true() {
+    if !(edge_on | (t.simd_gt(zero) & t.simd_lt(rays.limit))).any_true() {
         return nothing(simd);
     }
     let shear = Shear {
-        origin: terms.turned[0],
-        direction: terms.turned[1],
+        origin: rays.turned[0],
+        direction: rays.turned[1],
     };
     let mut inside = V::Mask::splat(simd, false);
-    let mut from = shear.place(turn(terms.axes, Vectors::splat(simd, last)));
+    let last = corners.get(simd, corners.count() - 1);
+    let mut from = shear.place(turn(rays.axes, last));
     let mut from_is_above = from[1].simd_ge(zero);
-    for &vertex in vertices {
-        let to = shear.place(turn(terms.axes, Vectors::splat(simd, vertex)));
+    for corner in 0..corners.count() {
+        let to = shear.place(turn(rays.axes, corners.get(simd, corner)));
         let to_is_above = to[1].simd_ge(zero);
         inside ^= crosses(from, from_is_above, to, to_is_above);
         (from, from_is_above) = (to, to_is_above);
     }
     if (inside & edge_on).any_true() {
-        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for &vertex in vertices {
-            (low, high) = (low.min(vertex), high.max(vertex));
+        let mut low = turn(rays.axes, corners.get(simd, 0)).z;
+        let mut high = low;
+        for corner in 1..corners.count() {
+            let depth = turn(rays.axes, corners.get(simd, corner)).z;
+            (low, high) = (low.min(depth), high.max(depth));
         }
         let (start, speed) = (shear.origin.z, shear.direction.z);
-        let low = turn(terms.axes, Vectors::<V>::splat(simd, low)).z;
-        let high = turn(terms.axes, Vectors::<V>::splat(simd, high)).z;
         let (low, high) = ((low - start) / speed, (high - start) / speed);
         t = edge_on.select(between(t, low.min(high), low.max(high)), t);
     }
     Meeting {
         t,
-        met: inside & t.simd_gt(zero) & t.simd_lt(limit),
+        met: inside & t.simd_gt(zero) & t.simd_lt(rays.limit),
     }
 }

@@ -229,6 +229,12 @@ impl<const N: usize> Tree<N> {
         &self.blocks
     }
 
+    /// All there is where there is no hierarchy.
+    #[inline(always)]
+    pub fn flat_blocks(&self) -> &Blocks<N> {
+        &self.flat
+    }
+
     /// Which terms of a ray the blocks ask for.
     #[inline(always)]
     pub fn needs(&self) -> Needs {
