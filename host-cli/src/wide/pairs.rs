@@ -1,8 +1,8 @@
 //! Pairs of a ray and an object, one a lane: for rays that have little in common.
 //!
-//! Of rays that go all ways, a few come near each object, and each comes near one or two. A vector of all rays for
-//! each object, if it has sixteen lanes, is idle in most of them. Here the lanes are those pairs alone that are near each other, as in
-//! C. P. Gribble, K. Ramani, "Coherent Ray Tracing via Stream Filtering", IEEE/EG Symposium on Interactive Ray
+//! Of rays that go all ways, a few come near each object, and each comes near one or two. A vector of sixteen rays
+//! for each object is idle in most of its lanes. Here the lanes are those pairs alone that are near each other, as
+//! in C. P. Gribble, K. Ramani, "Coherent Ray Tracing via Stream Filtering", IEEE/EG Symposium on Interactive Ray
 //! Tracing, 2008. Both rays and the objects of a block are rows of as many numbers as a vector has lanes, so that
 //! it takes one permutation to bring a number of each pair together.
 
