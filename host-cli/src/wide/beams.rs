@@ -122,33 +122,44 @@ impl<const N: usize> Beams<N> {
     where
         Tree<N>: Vector<S, Lanes = V>,
     {
-        // Numbers that lie together go together, by four.
+        // Numbers that lie together go together, by four. Nothing here maps arrays: where it is called from more
+        // than one place, the compiler would not inline that, and it would not be compiled for vectors.
         let (fours, _) = all.as_chunks::<4>();
-        let starts: [_; 4] = core::array::from_fn(|i| {
-            columns(simd, fours[i % fours.len()], |it| {
-                let (o, d, _) = numbers(it);
-                [o.x, o.y, o.z, d.x]
-            })
+        macro_rules! rows {
+            ($numbers:expr) => {{
+                let a = columns(simd, fours[0], $numbers);
+                let b = columns(simd, fours[1], $numbers);
+                let (c, d) = if N > 8 {
+                    (
+                        columns(simd, fours[2], $numbers),
+                        columns(simd, fours[3], $numbers),
+                    )
+                } else {
+                    (a, b)
+                };
+                [
+                    Tree::<N>::join([a[0], b[0], c[0], d[0]]),
+                    Tree::<N>::join([a[1], b[1], c[1], d[1]]),
+                    Tree::<N>::join([a[2], b[2], c[2], d[2]]),
+                    Tree::<N>::join([a[3], b[3], c[3], d[3]]),
+                ]
+            }};
+        }
+        let [x, y, z, along_x] = rows!(|it: &T| {
+            let (o, d, _) = numbers(it);
+            [o.x, o.y, o.z, d.x]
         });
-        let ends: [_; 4] = core::array::from_fn(|i| {
-            columns(simd, fours[i % fours.len()], |it| {
-                let (_, d, last) = numbers(it);
-                [d.x, d.y, d.z, last]
-            })
+        let [_, along_y, along_z, last] = rows!(|it: &T| {
+            let (_, d, last) = numbers(it);
+            [d.x, d.y, d.z, last]
         });
-        let start = |number: usize| Tree::<N>::join(starts.map(|it| it[number]));
-        let end = |number: usize| Tree::<N>::join(ends.map(|it| it[number]));
-        self.origin.store(Vectors {
-            x: start(0),
-            y: start(1),
-            z: start(2),
-        });
+        self.origin.store(Vectors { x, y, z });
         self.direction.store(Vectors {
-            x: start(3),
-            y: end(1),
-            z: end(2),
+            x: along_x,
+            y: along_y,
+            z: along_z,
         });
-        end(3)
+        last
     }
 
     /// Of which rays the lanes' answer is the kernels' own, as `Wide::takes_this`: a bit a lane.
